@@ -1,0 +1,123 @@
+#pragma once
+/// The physics and the measurements of a scene: what both solvers must agree on, read once, in SI.
+/// Discretisation ([sph], [numerics], [reference_fem]) is each solver's own.
+
+#include "scene/document.hpp"
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sprung {
+
+/// Coordinates in metres; the third is 0 in a plane problem.
+using Point = std::array<double, 3>;
+
+struct Box {
+  Point from{};
+  Point to{};
+};
+
+/// Sides of the channel box. "left"/"right" bound x, "bottom"/"top" bound y, "back"/"front" bound z.
+enum class Side { left, right, bottom, top, back, front };
+const char* to_string(Side side);
+
+struct Viscosity {
+  double dynamic = 0.0;  ///< Pa s
+};
+
+struct Walls {
+  std::vector<Side> no_slip;
+  std::vector<Side> free_slip;
+};
+
+/// Normal velocity over one side, Eq. 6 of the paper: profile(s) x mean_velocity x min(t / ramp, 1).
+struct Inflow {
+  Side side = Side::left;
+  enum class Profile { parabolic, uniform } profile = Profile::parabolic;
+  double mean_velocity = 0.0;  ///< m/s
+  double ramp = 0.0;           ///< s; 0 means full speed from the start
+  /// Speed at distance `s` (m) along a side of length `height` (m) at time `t` (s). Eq. 6 read as the
+  /// parabola of mean `mean_velocity`: 6 u s (H - s) / H^2.
+  double speed(double s, double height, double t) const;
+};
+
+struct Outflow {
+  Side side = Side::right;
+  double pressure = 0.0;  ///< Pa
+};
+
+/// An elastic body of rectangular shape, incompressible, with the fluid's density.
+struct Solid {
+  std::string name;
+  Box body;
+  double youngs_modulus = 0.0;  ///< Pa
+  std::optional<Side> clamped;
+};
+
+/// Displacement (m) of the material point that was at `point` at the start.
+struct DisplacementProbe {
+  std::string name;
+  Point point{};
+  std::string solid;  ///< the body that holds the point
+};
+
+/// Velocity at `points` places evenly spaced from one end to the other (both included), at `times`.
+struct VelocityProfileProbe {
+  std::string name;
+  Point from{}, to{};
+  int points = 0;
+  std::vector<double> times;
+};
+
+/// Force of the fluid on a solid, N per metre of depth in a plane problem, components along the axes.
+struct ForceProbe {
+  std::string name;
+  std::string solid;
+};
+
+/// Where the material points of a body's wetted outline have moved to, at `times`. Points are spaced
+/// evenly along the outline from one clamped corner round to the other.
+struct OutlineProbe {
+  std::string name;
+  std::string solid;
+  int points = 0;
+  std::vector<double> times;
+};
+
+struct Probes {
+  std::vector<DisplacementProbe> displacement;
+  std::vector<VelocityProfileProbe> velocity_profile;
+  std::vector<ForceProbe> force;
+  std::vector<OutlineProbe> outline;
+  /// Every time at which some probe or field output wants the state, ascending, without repeats.
+  std::vector<double> all_times;
+};
+
+struct Problem {
+  std::string title;
+  std::string source;
+  int dimension = 2;
+  Box channel;
+  double end_time = 0.0;  ///< s
+  double density = 0.0;   ///< kg/m3, fluid and solid alike
+  std::optional<Viscosity> viscosity;
+  std::optional<Walls> walls;
+  std::optional<Inflow> inflow;
+  std::optional<Outflow> outflow;
+  std::vector<Solid> solids;
+  Probes probes;
+  double fields_every = 0.0;  ///< s between field snapshots; 0: only at the probes' times
+};
+
+/// Reads and checks the shared tables. Refuses, with file, line, value and remedy: a body that is not
+/// inside the channel or does not touch the side it is clamped to, a probe outside the domain or its body,
+/// times beyond the end, a side that is given two conditions.
+Problem read_problem(const Document& document);
+
+/// The material points of an outline probe, `points` of them, along the body's free sides.
+std::vector<Point> outline_points(const Solid& solid, int points);
+
+}  // namespace sprung
