@@ -46,7 +46,7 @@ ErrorBar::ErrorBar(const std::filesystem::path& file) {
 }
 
 std::optional<double> ErrorBar::at(const std::string& quantity, double time) const {
-  for (const QuantityError& entry : entries_) {
+  for (const ReferenceError& entry : entries_) {
     if (entry.quantity == quantity && std::abs(entry.time - time) < 1e-6) return entry.error;
   }
   return std::nullopt;

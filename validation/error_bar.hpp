@@ -10,10 +10,10 @@ namespace sprung {
 
 /// What one quantity of the reference is worth. A quantity is named "<series or table>.<column>":
 /// "tip.displacement_x", "profile.velocity_x" (largest error along the line), "force.force_x".
-struct QuantityError {
+struct ReferenceError {
   std::string quantity;
-  double time = 0.0;   ///< s
-  double error = 0.0;  ///< in the column's unit: half-width of the error bar
+  double time = 0.0;                     ///< s
+  double error = 0.0;                    ///< in the column's unit: half-width of the error bar
   std::optional<double> extrapolated;    ///< value at vanishing mesh size and step
   std::optional<double> observed_order;  ///< in mesh size
 };
@@ -23,17 +23,17 @@ struct QuantityError {
 class ErrorBar {
  public:
   ErrorBar() = default;
-  /// Throws std::runtime_error naming the file if it cannot be read, an entry lacks name, time or error,
-  /// or an error is negative or not finite.
+  /// Throws std::runtime_error naming the file if it cannot be read, an entry lacks name, time or
+  /// error, or an error is negative or not finite.
   explicit ErrorBar(const std::filesystem::path& file);
 
   bool empty() const { return entries_.empty(); }
-  const std::vector<QuantityError>& entries() const { return entries_; }
+  const std::vector<ReferenceError>& entries() const { return entries_; }
   /// Half-width at `time` (s, within 1 us), if it was measured.
   std::optional<double> at(const std::string& quantity, double time) const;
 
  private:
-  std::vector<QuantityError> entries_;
+  std::vector<ReferenceError> entries_;
 };
 
 }  // namespace sprung

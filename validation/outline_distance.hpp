@@ -18,9 +18,9 @@ struct OutlineDistance {
 /// Distance (m) of `point` from the open polygon through `curve` (two points or more).
 double distance_to_curve(const PlanePoint& point, std::span<const PlanePoint> curve);
 
-/// Compares two outlines given by as many material points each. The distance between curves does not see
-/// material sliding along the outline, that between material points does.
-/// Throws std::invalid_argument if the numbers of points differ or are below two.
+/// Compares two outlines given by as many material points each. The distance between curves does
+/// not see material sliding along the outline, that between material points does. Throws
+/// std::invalid_argument if the numbers of points differ or are below two.
 OutlineDistance outline_distance(std::span<const PlanePoint> reference,
                                  std::span<const PlanePoint> candidate);
 

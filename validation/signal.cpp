@@ -69,8 +69,8 @@ Signal::Signal(std::vector<double> time, std::vector<double> value)
                                   std::to_string(i));
     }
     if (i > 0 && time_[i] <= time_[i - 1]) {
-      throw std::invalid_argument("a signal's times do not ascend at t = " +
-                                  std::to_string(time_[i]) + " s");
+      throw std::invalid_argument(
+          "a signal's times do not ascend at t = " + std::to_string(time_[i]) + " s");
     }
   }
   slope_.resize(time_.size());
@@ -98,8 +98,9 @@ std::size_t Signal::interval_of(double t) const {
 
 double Signal::at(double t) const {
   if (!covers(t)) {
-    throw std::out_of_range("t = " + std::to_string(t) + " s is outside the signal, which runs from " +
-                            std::to_string(begin()) + " s to " + std::to_string(end()) + " s");
+    throw std::out_of_range("t = " + std::to_string(t) +
+                            " s is outside the signal, which runs from " + std::to_string(begin()) +
+                            " s to " + std::to_string(end()) + " s");
   }
   t = std::clamp(t, begin(), end());
   const std::size_t i = interval_of(t);

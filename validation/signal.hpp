@@ -1,5 +1,6 @@
 #pragma once
-/// Quantities over time and how two of them differ: error norm, lag, amplitude, means over a window.
+/// Quantities over time and how two of them differ: error norm, lag, amplitude, means over a
+/// window.
 
 #include <optional>
 #include <span>
@@ -37,14 +38,15 @@ struct WindowMean {
   double deviation = 0.0;
 };
 
-/// Time mean and standard deviation of `signal`, taken as straight between its samples, over [from, to]
-/// (s). Throws std::out_of_range if the samples do not cover the window, std::invalid_argument if it is
-/// empty.
+/// Time mean and standard deviation of `signal`, taken as straight between its samples, over [from,
+/// to] (s). Throws std::out_of_range if the samples do not cover the window, std::invalid_argument
+/// if it is empty.
 WindowMean window_mean(const Signal& signal, double from, double to);
 
-/// sqrt(integral |candidate - reference|^2 dt / integral |reference|^2 dt) over the common time, with
-/// components summed; trapezoidal rule on the reference's samples. Both spans hold one signal per
-/// component. Throws std::invalid_argument if there is no common time or the reference vanishes.
+/// sqrt(integral |candidate - reference|^2 dt / integral |reference|^2 dt) over the common time,
+/// with components summed; trapezoidal rule on the reference's samples. Both spans hold one signal
+/// per component. Throws std::invalid_argument if there is no common time or the reference
+/// vanishes.
 double relative_l2(std::span<const Signal> reference, std::span<const Signal> candidate);
 
 /// How to shift and scale the reference so that it lies on the candidate.
@@ -54,9 +56,9 @@ struct Alignment {
   double correlation = 0.0;      ///< Pearson's, at that lag
 };
 
-/// Finds the lag that maximises Pearson's correlation of reference(t) and candidate(t + lag), between the
-/// samples too (cubic interpolation, golden section), with |lag| <= `search` (s). The window is the
-/// reference's, less `search` at either end, so that it is the same for every lag.
+/// Finds the lag that maximises Pearson's correlation of reference(t) and candidate(t + lag),
+/// between the samples too (cubic interpolation, golden section), with |lag| <= `search` (s). The
+/// window is the reference's, less `search` at either end, so that it is the same for every lag.
 /// Nothing if the best lag stands at the edge of the search, or the common time or the reference's
 /// variation is too small to tell.
 std::optional<Alignment> align(const Signal& reference, const Signal& candidate, double search);

@@ -40,8 +40,8 @@ TEST(OutlineDistance, OfAParallelCurveIsTheGap) {
 }
 
 TEST(OutlineDistance, SeesAHumpFromEitherSide) {
-  // One vertex stands out by 0.3: its distance to the straight curve is 0.3; the straight curve's middle
-  // is 0.3 cos(atan(0.3 / 0.5)) from the hump's flanks.
+  // One vertex stands out by 0.3: its distance to the straight curve is 0.3; the straight curve's
+  // middle is 0.3 cos(atan(0.3 / 0.5)) from the hump's flanks.
   const Curve straight{{0.0, 0.0}, {0.0, 0.5}, {0.0, 1.0}};
   const Curve hump{{0.0, 0.0}, {0.3, 0.5}, {0.0, 1.0}};
   const double flank = 0.3 * std::cos(std::atan(0.3 / 0.5));

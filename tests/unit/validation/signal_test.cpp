@@ -34,8 +34,8 @@ double ringing(double t) {
 
 TEST(Signal, InterpolatesParabolasExactly) {
   const auto parabola = [](double t) { return 3.0 - 2.0 * t + 5.0 * t * t; };
-  const Signal signal({0.0, 0.1, 0.25, 0.7, 1.0}, {parabola(0.0), parabola(0.1), parabola(0.25),
-                                                   parabola(0.7), parabola(1.0)});
+  const Signal signal({0.0, 0.1, 0.25, 0.7, 1.0},
+                      {parabola(0.0), parabola(0.1), parabola(0.25), parabola(0.7), parabola(1.0)});
   for (const double t : {0.0, 0.05, 0.2, 0.5, 0.99, 1.0}) {
     EXPECT_NEAR(signal.at(t), parabola(t), 1e-14) << t;  // round-off of values near 5
   }
@@ -55,7 +55,7 @@ TEST(Signal, RefusesWhatIsNoSignal) {
 TEST(WindowMean, OfAStraightLineThatStartsBetweenSamples) {
   const Signal line({0.0, 0.3, 1.0}, {0.0, 0.6, 2.0});  // 2 t
   const WindowMean window = window_mean(line, 0.1, 0.5);
-  EXPECT_NEAR(window.mean, 0.6, 1e-15);                          // 2 x 0.3
+  EXPECT_NEAR(window.mean, 0.6, 1e-15);                               // 2 x 0.3
   EXPECT_NEAR(window.deviation, 2.0 * 0.4 / std::sqrt(12.0), 1e-14);  // uniform distribution
   EXPECT_THROW(window_mean(line, 0.5, 1.2), std::out_of_range);
   EXPECT_THROW(window_mean(line, 0.5, 0.5), std::invalid_argument);
@@ -95,14 +95,14 @@ struct Shift {
 
 class AlignTest : public ::testing::TestWithParam<Shift> {};
 
-/// Cubic interpolation of the ringing (period 0.35 s, 4 mm) at steps of 0.01 s errs by some 1e-4 of its
-/// amplitude, which moves the best lag by less than 0.1 ms: a hundredth of the step.
+/// Cubic interpolation of the ringing (period 0.35 s, 4 mm) at steps of 0.01 s errs by some 1e-4 of
+/// its amplitude, which moves the best lag by less than 0.1 ms: a hundredth of the step.
 TEST_P(AlignTest, FindsLagAndAmplitudeBetweenTheSamples) {
   const Shift shift = GetParam();
   const Signal reference = sampled(ringing, 0.0, 3.0, shift.reference_step);
-  const Signal candidate = sampled(
-      [&](double t) { return shift.amplitude * ringing(t - shift.lag); }, 0.0, 3.0,
-      shift.candidate_step);
+  const Signal candidate =
+      sampled([&](double t) { return shift.amplitude * ringing(t - shift.lag); }, 0.0, 3.0,
+              shift.candidate_step);
   const auto alignment = align(reference, candidate, 0.06);
   ASSERT_TRUE(alignment);
   EXPECT_NEAR(alignment->lag, shift.lag, 1e-4);
