@@ -1,5 +1,5 @@
 #pragma once
-/// The scene file as a checked document: every value is read once, with its unit, dimension and line;
+/// The scene file as a checked document: every value is read with its unit, dimension and line;
 /// whatever nobody reads is an error.
 
 #include "scene/quantity.hpp"
@@ -20,7 +20,7 @@ class SceneError : public std::runtime_error {
 };
 
 /// One table of the document, for instance [solid.beam]. A light handle; the Document must outlive it.
-/// Every read marks its key as known. All reads throw SceneError with file, line, value and remedy.
+/// Every read marks its key as known; has() makes it a known word but leaves it unread. All reads throw SceneError with file, line, value and remedy.
 class Table {
  public:
   /// Full dotted name ("solid.beam"); empty for the root.
@@ -69,16 +69,21 @@ class Table {
 class Document {
  public:
   /// Reads `file` and applies `overrides` ("sph.spacing=2.5 mm", "solid.beam.youngs_modulus=0.35 MPa",
-  /// "sph.shifting=none", "sph.gradient_correction=true"): each goes through the checks of the file, and an error in one names it as
-  /// "command line". A value that is not a TOML literal is taken as a string. Throws SceneError.
+  /// "sph.shifting=none", "sph.gradient_correction=true"): each goes through the checks of the file, and
+  /// an error in one names it as "command line". A value that is not a TOML literal is taken as a
+  /// string; of two for the same key the later one holds. Throws SceneError.
   explicit Document(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
   /// The same from text, for tests; `name` stands where a file name would.
-  static Document from_text(const std::string& text, const std::string& name = "scene");
+  static Document from_text(const std::string& text, const std::string& name = "scene",
+                            const std::vector<std::string>& overrides = {});
 
   const std::filesystem::path& file() const { return file_; }
   Table root() const;
   bool has(const std::string& table) const;
   Table table(const std::string& dotted_name) const;
+  /// The same, added empty if the scene has none: for tables whose keys all have defaults ([numerics]),
+  /// so that the defaults are written out.
+  Table table_or_new(const std::string& dotted_name) const;
 
   /// Marks a table as another program's business ("reference_fem" for the particle solver).
   void leave_unread(const std::string& table);

@@ -28,7 +28,7 @@ class Progress {
 
 /// Processor seconds of this process so far, all threads.
 double processor_seconds();
-/// Wall seconds since an arbitrary start.
+/// Wall seconds of this process so far.
 double wall_seconds();
 
 }  // namespace sprung

@@ -32,6 +32,10 @@ struct Manifest {
   std::map<std::string, std::string> libraries;  ///< name -> version
   std::map<std::string, double> numbers;         ///< solver's own facts: unknowns, particles, time step...
   std::map<std::string, std::string> notes;
+  // Readings of processor_seconds() and wall_seconds() at which the run began. 0: with the process, so
+  // that set-up counts; a process that makes several runs gives its own.
+  double processor_start = 0.0;
+  double wall_start = 0.0;
 };
 
 struct Column {
@@ -46,7 +50,8 @@ struct Field {
   std::span<const double> values;
 };
 
-/// Named arrays of doubles and integers in one HDF5 file, written whole and atomically.
+/// Named arrays of doubles and integers in one HDF5 file, written whole and atomically; what is read
+/// back is the same bit for bit. A "/" in a name makes a group.
 using Array = std::variant<std::vector<double>, std::vector<std::int64_t>>;
 using Archive = std::map<std::string, Array>;
 void write_archive(const std::filesystem::path& file, const Archive& archive);
@@ -58,36 +63,43 @@ class RecordWriter {
   /// Creates `folder` (and refuses, with std::runtime_error, one that holds a record already unless
   /// `overwrite`).
   RecordWriter(std::filesystem::path folder, Manifest manifest, bool overwrite = false);
-  /// Continues the record in `folder`, forgetting every row, table and snapshot after `time`.
+  /// Continues the record in `folder`, forgetting every row, table and snapshot after `time`. Throws
+  /// std::runtime_error if the record is missing or damaged, or was made by another solver or from
+  /// another scene. Time and cost of the earlier processes count on in manifest.json.
   static RecordWriter resume(std::filesystem::path folder, Manifest manifest, double time);
   ~RecordWriter();
   RecordWriter(RecordWriter&&) noexcept;
 
-  /// A series grows by a row per call of append(); its first column must be {"time", "s"}.
+  /// A series grows by a row per call of append(); its first column must be {"time", "s"}. Declaring the
+  /// same columns again (after resume) keeps the rows.
   void declare_series(const std::string& name, std::vector<Column> columns);
   void append(const std::string& name, std::span<const double> row);
   /// A table belongs to one time: a velocity profile, an outline. `rows` is row-major. NaN or infinity
-  /// in a row or table throws std::runtime_error: no run writes one as a result.
+  /// in a row, table or snapshot throws std::runtime_error: no run writes one as a result. A table or
+  /// snapshot of the same time replaces the earlier one.
   void write_table(const std::string& name, double time, const std::vector<Column>& columns,
                    std::span<const double> rows);
 
-  /// Snapshot of a cloud of points; `positions` are 3 per point.
+  /// Snapshot of a cloud of points; `positions` are 3 per point. Fields of two components are stored with
+  /// a third of 0, as ParaView wants its vectors.
   void write_points(double time, std::span<const double> positions, const std::vector<Field>& fields);
   /// Snapshot of a mesh; `cells` are `nodes_per_cell` point numbers per cell (3: triangles, 4: quads in
   /// VTK's order).
   void write_mesh(double time, std::span<const double> positions, int nodes_per_cell,
                   std::span<const std::int64_t> cells, const std::vector<Field>& fields);
 
-  /// Processor and wall seconds spent in a named phase of the step ("ACTION 6 pressure"), in order.
+  /// Seconds spent by this process in each named phase of the step ("ACTION 6 pressure"), in order.
   void set_cost(const std::vector<std::pair<std::string, double>>& seconds_by_phase);
   void set_number(const std::string& name, double value);
   void set_note(const std::string& name, const std::string& value);
 
   /// Writes record.h5, record.xdmf, the CSV files and manifest.json as they stand now.
   void flush();
-  /// The same, with `archive` as checkpoint.h5 first: record and checkpoint agree afterwards.
+  /// The same, then `archive` as checkpoint.h5, with `time` added as its array "time": the record on disk
+  /// always reaches at least as far as the checkpoint, and resume() drops what is beyond.
   void checkpoint(double time, const Archive& archive);
-  /// Closes the record. `outcome`: "finished", or what stopped the run and why.
+  /// Closes the record. `outcome`: "finished", or what stopped the run and why. A writer that is destroyed
+  /// without it leaves a record whose outcome says so.
   void finish(const std::string& outcome);
 
   const std::filesystem::path& folder() const;
@@ -115,10 +127,16 @@ class RecordReader {
   const SeriesData& series(const std::string& name) const;
   /// Times at which the table `name` was written, ascending.
   std::vector<double> table_times(const std::string& name) const;
+  /// The table `name` of `time`, which may differ from the recorded time by rounding.
   const SeriesData& table(const std::string& name, double time) const;
   /// manifest.json, as text.
   const std::string& manifest() const { return manifest_; }
+  /// A number of the solver (Manifest::numbers) or of the writer ("wall_seconds", "processor_seconds",
+  /// "threads", "cores", "peak_memory_bytes"). Throws std::runtime_error if there is none.
   double manifest_number(const std::string& name) const;
+  /// A note of the solver (Manifest::notes) or a text of the writer ("solver", "scene_title", "scene_file",
+  /// "scene_toml", "outcome", "commit", "clean": yes, no or unknown, "compiler", "compiler_flags",
+  /// "build_type", "processor", "start_time_utc"). Throws std::runtime_error if there is none.
   std::string manifest_text(const std::string& name) const;
   std::vector<std::pair<std::string, double>> cost() const;
 

@@ -1,0 +1,505 @@
+#include "scene/problem.hpp"
+
+#include "scene/spelling.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+namespace sprung {
+namespace {
+
+/// Lengths of a scene are decimal numbers turned into doubles once; what differs by less than this part
+/// of the channel is the same place.
+constexpr double relative_tolerance = 1e-10;
+
+constexpr std::array side_names{"left", "right", "bottom", "top", "back", "front"};
+
+std::vector<std::string> sides_of(int dimension) {
+  return {side_names.begin(), side_names.begin() + 2 * dimension};
+}
+
+Side side_named(const std::string& name) {
+  const auto at = std::find(side_names.begin(), side_names.end(), name);
+  return static_cast<Side>(at - side_names.begin());
+}
+
+std::string number_text(double value) {
+  std::ostringstream text;
+  text.precision(10);
+  text << value;
+  return text.str();
+}
+
+std::string point_text(const Point& point, int dimension) {
+  std::string text = "(";
+  for (int i = 0; i < dimension; ++i) text += (i ? ", " : "") + number_text(point[i]);
+  return text + ") m";
+}
+
+std::string box_text(const Box& box, int dimension) {
+  return "from " + point_text(box.from, dimension) + " to " + point_text(box.to, dimension);
+}
+
+double largest_extent(const Box& box) {
+  double extent = 0.0;
+  for (int i = 0; i < 3; ++i) extent = std::max(extent, box.to[i] - box.from[i]);
+  return extent;
+}
+
+bool contains(const Box& box, const Point& point, double tolerance) {
+  for (int i = 0; i < 3; ++i)
+    if (point[i] < box.from[i] - tolerance || point[i] > box.to[i] + tolerance) return false;
+  return true;
+}
+
+/// The coordinate of `box` that `side` bounds.
+double coordinate(const Box& box, Side side) {
+  const int index = static_cast<int>(side);
+  return index % 2 == 0 ? box.from[index / 2] : box.to[index / 2];
+}
+
+/// Reads one scene; what it has read so far stands in `problem`.
+class ProblemReader {
+ public:
+  explicit ProblemReader(const Document& document) : root_(document.root()) {}
+
+  Problem read() {
+    problem_.title = root_.text("title");
+    if (root_.has("source")) problem_.source = root_.text("source");
+    read_domain();
+    read_time_and_fluid();
+    read_walls();
+    read_inflow();
+    read_outflow();
+    read_solids();
+    read_probes();
+    read_record();
+    return std::move(problem_);
+  }
+
+ private:
+  Table required_table(const std::string& name, const std::string& example) const;
+  Point read_point(const Table& table, const std::string& key) const;
+  Box read_box(const Table& table) const;
+  double positive(const Table& table, const std::string& key, const Dimension& dimension) const;
+  int read_count(const Table& table, int least) const;
+  std::vector<double> read_times(const Table& table) const;
+  void claim(const Table& table, const std::string& key, Side side, const std::string& condition);
+  void read_domain();
+  void read_time_and_fluid();
+  void read_walls();
+  void read_inflow();
+  void read_outflow();
+  void read_solids();
+  Solid read_solid(const Table& table, const std::string& name) const;
+  void check_clamp(const Table& table, const Solid& solid) const;
+  void read_probes();
+  void read_probe(const Table& table, const std::string& name);
+  void read_displacement(const Table& table, const std::string& name);
+  void read_profile(const Table& table, const std::string& name);
+  std::string read_solid_name(const Table& table, const std::string& key) const;
+  void read_record();
+  double tolerance() const { return relative_tolerance * largest_extent(problem_.channel); }
+  std::string solids_text() const;
+  void check_name(const Table& table, const std::string& name, const std::string& kind) const;
+
+  Table root_;
+  Problem problem_;
+  std::map<Side, std::string> conditions_;  ///< what each side has been given
+};
+
+Table ProblemReader::required_table(const std::string& name, const std::string& example) const {
+  if (!root_.has(name)) {
+    for (const auto& present : root_.table_names())
+      if (nearest_word(present, {name}) == name) root_.table(name);  // refuses, naming `present`
+    root_.refuse("", "the table [" + name + "] is missing; write it, for instance\n  [" + name +
+                         "]\n  " + example);
+  }
+  return root_.table(name);
+}
+
+Point ProblemReader::read_point(const Table& table, const std::string& key) const {
+  const auto coordinates = table.quantities(key, dimension::length);
+  const auto wanted = static_cast<std::size_t>(problem_.dimension);
+  if (coordinates.size() != wanted)
+    table.refuse(key, std::to_string(coordinates.size()) + " coordinates where the channel has " +
+                          std::to_string(wanted) + "; write " +
+                          (wanted == 2 ? "[\"x m\", \"y m\"]" : "[\"x m\", \"y m\", \"z m\"]"));
+  Point point{};
+  std::copy(coordinates.begin(), coordinates.end(), point.begin());
+  return point;
+}
+
+/// A box as { from = [...], to = [...] }, of positive extent in every direction.
+Box ProblemReader::read_box(const Table& table) const {
+  const Box box{read_point(table, "from"), read_point(table, "to")};
+  for (int i = 0; i < problem_.dimension; ++i)
+    if (!(box.to[i] > box.from[i]))
+      table.refuse("to", "a box without extent, " + box_text(box, problem_.dimension) +
+                             "; from is the corner with the smallest coordinates, to the one with the "
+                             "largest");
+  return box;
+}
+
+double ProblemReader::positive(const Table& table, const std::string& key,
+                               const Dimension& dimension) const {
+  const double value = table.quantity(key, dimension);
+  if (!(value > 0.0)) table.refuse(key, "must be greater than zero; write " + describe(dimension));
+  return value;
+}
+
+int ProblemReader::read_count(const Table& table, int least) const {
+  constexpr long most = 1000000;
+  const long points = table.integer("points");
+  if (points < least || points > most)
+    table.refuse("points", "must be from " + std::to_string(least) + " to " + std::to_string(most) +
+                               "; write for instance points = 121");
+  return static_cast<int>(points);
+}
+
+std::vector<double> ProblemReader::read_times(const Table& table) const {
+  auto times = table.quantities("times", dimension::time);
+  if (times.empty()) table.refuse("times", "names no time; write for instance times = [\"1 s\"]");
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (times[i] < 0.0)
+      table.refuse("times", number_text(times[i]) + " s lies before the start; write times from 0 s on");
+    if (times[i] > problem_.end_time)
+      table.refuse("times", number_text(times[i]) + " s lies beyond the end of the run at " +
+                                number_text(problem_.end_time) +
+                                " s; leave it out or raise end in [time]");
+    if (i > 0 && !(times[i] > times[i - 1]))
+      table.refuse("times", number_text(times[i]) + " s does not come after " +
+                                number_text(times[i - 1]) + " s; write the times in ascending order");
+  }
+  return times;
+}
+
+void ProblemReader::claim(const Table& table, const std::string& key, Side side,
+                          const std::string& condition) {
+  const auto [at, is_new] = conditions_.emplace(side, condition);
+  if (!is_new)
+    table.refuse(key, std::string("the side \"") + to_string(side) + "\" has a condition already (" +
+                          at->second + "); give every side one condition");
+}
+
+void ProblemReader::read_domain() {
+  const Table domain =
+      required_table("domain", "channel = { from = [\"0 m\", \"0 m\"], to = [\"0.9 m\", \"0.3 m\"] }");
+  const Table channel = domain.table("channel");
+  const auto corner = channel.quantities("from", dimension::length);
+  if (corner.size() != 2 && corner.size() != 3)
+    channel.refuse("from", std::to_string(corner.size()) +
+                               " coordinates; write two for a plane problem, [\"0 m\", \"0 m\"], or three");
+  problem_.dimension = static_cast<int>(corner.size());
+  problem_.channel = read_box(channel);
+}
+
+void ProblemReader::read_time_and_fluid() {
+  problem_.end_time = positive(required_table("time", "end = \"3 s\""), "end", dimension::time);
+  problem_.density = positive(required_table("fluid", "density = \"1000 kg/m3\""), "density",
+                              dimension::density);
+  if (root_.has("viscosity"))
+    problem_.viscosity = {positive(root_.table("viscosity"), "dynamic", dimension::dynamic_viscosity)};
+}
+
+void ProblemReader::read_walls() {
+  if (!root_.has("walls")) return;
+  const Table table = root_.table("walls");
+  Walls walls;
+  const auto read = [&](const std::string& key, std::vector<Side>& sides) {
+    if (!table.has(key)) return;
+    for (const auto& name : table.words(key, sides_of(problem_.dimension))) {
+      sides.push_back(side_named(name));
+      claim(table, key, sides.back(), key + " in [walls]");
+    }
+  };
+  read("no_slip", walls.no_slip);
+  read("free_slip", walls.free_slip);
+  for (const auto& key : table.keys()) {
+    const auto meant = nearest_word(key, {"no_slip", "free_slip"});
+    if (meant != key && !meant.empty())
+      table.refuse(key, "unknown key; the nearest known word is " + meant);
+  }
+  if (walls.no_slip.empty() && walls.free_slip.empty())
+    table.refuse("", "names no side; write no_slip = [\"bottom\", \"top\"] or remove the table");
+  problem_.walls = walls;
+}
+
+void ProblemReader::read_inflow() {
+  if (!root_.has("inflow")) return;
+  const Table table = root_.table("inflow");
+  Inflow inflow;
+  inflow.side = side_named(table.word("side", sides_of(problem_.dimension)));
+  claim(table, "side", inflow.side, "[inflow]");
+  inflow.profile = table.word("profile", {"parabolic", "uniform"}) == "parabolic"
+                       ? Inflow::Profile::parabolic
+                       : Inflow::Profile::uniform;
+  inflow.mean_velocity = positive(table, "mean_velocity", dimension::velocity);
+  inflow.ramp = table.quantity("ramp", dimension::time);
+  if (inflow.ramp < 0.0)
+    table.refuse("ramp", "must not be negative; write \"0 s\" for full speed from the start");
+  problem_.inflow = inflow;
+}
+
+void ProblemReader::read_outflow() {
+  if (!root_.has("outflow")) return;
+  const Table table = root_.table("outflow");
+  Outflow outflow;
+  outflow.side = side_named(table.word("side", sides_of(problem_.dimension)));
+  claim(table, "side", outflow.side, "[outflow]");
+  outflow.pressure = table.quantity("pressure", dimension::pressure);
+  problem_.outflow = outflow;
+}
+
+/// Names become file names and names of series.
+void ProblemReader::check_name(const Table& table, const std::string& name,
+                               const std::string& kind) const {
+  const bool letters = !name.empty() && std::isalpha(static_cast<unsigned char>(name.front())) &&
+                       std::all_of(name.begin(), name.end(), [](unsigned char c) {
+                         return c < 0x80 && (std::isalnum(c) || c == '_');
+                       });
+  if (!letters)
+    table.refuse("", "\"" + name + "\" cannot name a " + kind +
+                         "; use letters, digits and _, a letter first");
+  if (name.starts_with("ledger_"))
+    table.refuse("", "names that begin with ledger_ belong to the solvers; choose another");
+}
+
+void ProblemReader::read_solids() {
+  if (!root_.has("solid")) return;
+  const Table table = root_.table("solid");
+  const auto names = table.table_names();
+  if (names.empty()) table.refuse("", "holds no body; write a table for each, such as [solid.beam]");
+  for (const auto& name : names) {
+    const Table body = table.table(name);
+    check_name(body, name, "body");
+    problem_.solids.push_back(read_solid(body, name));
+  }
+}
+
+Solid ProblemReader::read_solid(const Table& table, const std::string& name) const {
+  Solid solid;
+  solid.name = name;
+  solid.body = read_box(table.table("body"));
+  if (!contains(problem_.channel, solid.body.from, tolerance()) ||
+      !contains(problem_.channel, solid.body.to, tolerance()))
+    table.refuse("body", "the body reaches " + box_text(solid.body, problem_.dimension) +
+                             ", out of the channel, which reaches " +
+                             box_text(problem_.channel, problem_.dimension) +
+                             "; move or shrink the body, or enlarge the channel");
+  for (const auto& other : problem_.solids) {
+    bool overlap = true;
+    for (int i = 0; i < problem_.dimension; ++i)
+      overlap = overlap && solid.body.from[i] < other.body.to[i] - tolerance() &&
+                other.body.from[i] < solid.body.to[i] - tolerance();
+    if (overlap)
+      table.refuse("body", "the body overlaps [solid." + other.name + "], which reaches " +
+                               box_text(other.body, problem_.dimension) + "; move one of them");
+  }
+  solid.youngs_modulus = positive(table, "youngs_modulus", dimension::pressure);
+  if (table.has("clamped")) {
+    solid.clamped = side_named(table.word("clamped", sides_of(problem_.dimension)));
+    check_clamp(table, solid);
+  }
+  return solid;
+}
+
+void ProblemReader::check_clamp(const Table& table, const Solid& solid) const {
+  const Side side = *solid.clamped;
+  const double body = coordinate(solid.body, side);
+  const double wall = coordinate(problem_.channel, side);
+  const std::string axis(1, "xyz"[static_cast<int>(side) / 2]);
+  const std::string name = to_string(side);
+  if (std::abs(body - wall) > tolerance())
+    table.refuse("clamped", "the body ends at " + axis + " = " + number_text(body) +
+                                " m and does not touch the side \"" + name + "\" of the channel at " +
+                                axis + " = " + number_text(wall) +
+                                " m; move the body there or clamp it to the side that it touches");
+  if ((problem_.inflow && problem_.inflow->side == side) ||
+      (problem_.outflow && problem_.outflow->side == side))
+    table.refuse("clamped", "fluid passes through the side \"" + name +
+                                "\"; clamp the body to a wall or move the opening");
+}
+
+void ProblemReader::read_probes() {
+  if (!root_.has("probes")) return;
+  const Table table = root_.table("probes");
+  const auto names = table.table_names();
+  if (names.empty() && table.keys().empty())
+    table.refuse("", "holds no probe; write a table for each, such as [probes.tip], or remove it");
+  for (const auto& name : names) {
+    const Table probe = table.table(name);
+    check_name(probe, name, "probe");
+    read_probe(probe, name);
+  }
+}
+
+void ProblemReader::read_probe(const Table& table, const std::string& name) {
+  const std::vector<std::string> kinds{"displacement_of", "velocity_along", "force_on", "outline_of"};
+  std::vector<std::string> present;
+  for (const auto& kind : kinds)
+    if (table.has(kind)) present.push_back(kind);
+  if (present.empty()) {
+    for (const auto& key : table.keys()) {
+      const auto meant = nearest_word(key, kinds);
+      if (!meant.empty()) table.refuse(key, "unknown key; the nearest known word is " + meant);
+    }
+    table.refuse("", "measures nothing; write exactly one of " + list_words(kinds, false));
+  }
+  if (present.size() > 1)
+    table.refuse(present[1], "a probe measures one thing, and this one has " +
+                                 list_words(present, false, "and") +
+                                 "; give each a table of its own");
+  if (present[0] == "displacement_of") {
+    read_displacement(table, name);
+  } else if (present[0] == "velocity_along") {
+    read_profile(table, name);
+  } else if (present[0] == "force_on") {
+    problem_.probes.force.push_back({name, read_solid_name(table, "force_on")});
+  } else {
+    if (problem_.dimension != 2)
+      table.refuse("outline_of", "outlines are for plane problems; remove this probe");
+    OutlineProbe probe{name, read_solid_name(table, "outline_of"), 0, {}};
+    probe.points = read_count(table, 4);
+    probe.times = read_times(table);
+    problem_.probes.outline.push_back(std::move(probe));
+  }
+}
+
+std::string ProblemReader::solids_text() const {
+  std::string text;
+  for (const auto& solid : problem_.solids)
+    text += (text.empty() ? "[solid." : ", [solid.") + solid.name + "] reaches " +
+            box_text(solid.body, problem_.dimension);
+  return text;
+}
+
+void ProblemReader::read_displacement(const Table& table, const std::string& name) {
+  DisplacementProbe probe{name, read_point(table, "displacement_of"), ""};
+  if (problem_.solids.empty())
+    table.refuse("displacement_of", "the scene has no solid; add one, such as [solid.beam], or remove "
+                                    "this probe");
+  for (const auto& solid : problem_.solids)
+    if (probe.solid.empty() && contains(solid.body, probe.point, tolerance()))
+      probe.solid = solid.name;
+  if (probe.solid.empty())
+    table.refuse("displacement_of", "the point " + point_text(probe.point, problem_.dimension) +
+                                        " lies in no body (" + solids_text() +
+                                        "); name a point of a body as it is at the start");
+  problem_.probes.displacement.push_back(std::move(probe));
+}
+
+void ProblemReader::read_profile(const Table& table, const std::string& name) {
+  const Table along = table.table("velocity_along");
+  VelocityProfileProbe probe;
+  probe.name = name;
+  probe.from = read_point(along, "from");
+  probe.to = read_point(along, "to");
+  for (const auto& [key, point] : {std::pair("from", probe.from), std::pair("to", probe.to)})
+    if (!contains(problem_.channel, point, tolerance()))
+      along.refuse(key, "the point " + point_text(point, problem_.dimension) +
+                            " lies outside the channel, which reaches " +
+                            box_text(problem_.channel, problem_.dimension) + "; move it inside");
+  if (probe.from == probe.to) along.refuse("to", "the same point as from; write the line's other end");
+  probe.points = read_count(along, 2);
+  probe.times = read_times(table);
+  problem_.probes.velocity_profile.push_back(std::move(probe));
+}
+
+std::string ProblemReader::read_solid_name(const Table& table, const std::string& key) const {
+  std::vector<std::string> names;
+  for (const auto& solid : problem_.solids) names.push_back(solid.name);
+  if (names.empty())
+    table.refuse(key, "the scene has no solid; add one, such as [solid.beam], or remove this probe");
+  return table.word(key, names);
+}
+
+/// Field output and the probes' own times, merged. A field time that is a probe's time up to rounding
+/// takes the probe's value, which is the decimal number of the scene file.
+void ProblemReader::read_record() {
+  auto& all = problem_.probes.all_times;
+  for (const auto& probe : problem_.probes.velocity_profile)
+    all.insert(all.end(), probe.times.begin(), probe.times.end());
+  for (const auto& probe : problem_.probes.outline)
+    all.insert(all.end(), probe.times.begin(), probe.times.end());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+
+  if (!root_.has("record")) return;
+  const Table table = root_.table("record");
+  const double every = table.quantity_or("fields_every", dimension::time, "0 s");
+  if (every < 0.0)
+    table.refuse("fields_every", "must not be negative; write \"0 s\" for the probes' times only");
+  problem_.fields_every = every;
+  if (every == 0.0) return;
+  constexpr double most_snapshots = 100000;
+  if (problem_.end_time / every > most_snapshots)
+    table.refuse("fields_every", "more than " + number_text(most_snapshots) +
+                                     " snapshots until the end; write a longer interval");
+  const double near = relative_tolerance * problem_.end_time;
+  const auto probe_times = all;
+  const auto last = std::llround(std::floor(problem_.end_time / every * (1.0 + relative_tolerance)));
+  for (long long i = 0; i <= last; ++i) {
+    const double time = std::min(static_cast<double>(i) * every, problem_.end_time);
+    const auto next = std::lower_bound(probe_times.begin(), probe_times.end(), time - near);
+    if (next == probe_times.end() || *next > time + near) all.push_back(time);
+  }
+  std::sort(all.begin(), all.end());
+}
+
+}  // namespace
+
+const char* to_string(Side side) { return side_names[static_cast<std::size_t>(side)]; }
+
+double Inflow::speed(double s, double height, double t) const {
+  const double start = ramp > 0.0 ? std::clamp(t / ramp, 0.0, 1.0) : 1.0;
+  if (profile == Profile::uniform) return mean_velocity * start;
+  return 6.0 * mean_velocity * s * (height - s) / (height * height) * start;
+}
+
+Problem read_problem(const Document& document) { return ProblemReader(document).read(); }
+
+std::vector<Point> outline_points(const Solid& solid, int points) {
+  const auto& [from, to] = solid.body;
+  // Clockwise from the lower left corner; side i runs from corner i to corner i + 1.
+  const std::array<Point, 4> corners{from, Point{from[0], to[1], from[2]}, to, Point{to[0], from[1], from[2]}};
+  constexpr std::array clockwise{Side::left, Side::top, Side::right, Side::bottom};
+  std::size_t first = 0;
+  std::size_t sides = 4;
+  if (solid.clamped) {
+    const auto clamp = std::find(clockwise.begin(), clockwise.end(), *solid.clamped);
+    if (clamp == clockwise.end())
+      throw std::invalid_argument("outline of " + solid.name + ": outlines are for plane problems");
+    first = static_cast<std::size_t>(clamp - clockwise.begin()) + 1;
+    sides = 3;
+  }
+  if (points < 2) throw std::invalid_argument("outline of " + solid.name + ": at least two points");
+
+  std::vector<double> reached{0.0};  // arc length at each corner
+  const auto corner = [&](std::size_t i) { return corners[(first + i) % 4]; };
+  for (std::size_t i = 0; i < sides; ++i)
+    reached.push_back(reached.back() + std::abs(corner(i + 1)[0] - corner(i)[0]) +
+                      std::abs(corner(i + 1)[1] - corner(i)[1]));
+  const double total = reached.back();
+  const int intervals = solid.clamped ? points - 1 : points;
+  std::vector<Point> outline;
+  for (int k = 0; k < points; ++k) {
+    const double s = total * k / intervals;
+    std::size_t i = 0;
+    while (i + 1 < sides && s > reached[i + 1]) ++i;
+    double part = (s - reached[i]) / (reached[i + 1] - reached[i]);
+    if (std::abs(part) < relative_tolerance) part = 0.0;
+    if (std::abs(1.0 - part) < relative_tolerance) part = 1.0;
+    Point point = corner(i);
+    for (int axis = 0; axis < 2; ++axis)
+      point[axis] = part == 1.0 ? corner(i + 1)[axis]
+                                : corner(i)[axis] + part * (corner(i + 1)[axis] - corner(i)[axis]);
+    outline.push_back(point);
+  }
+  return outline;
+}
+
+}  // namespace sprung
