@@ -19,7 +19,8 @@ void AtomicFile::commit() {
   std::error_code error;
   std::filesystem::rename(part_, place_, error);
   if (error)
-    throw std::runtime_error(place_.string() + ": cannot be put in place (" + error.message() + ")");
+    throw std::runtime_error(place_.string() + ": cannot be put in place (" + error.message() +
+                             ")");
   committed_ = true;
 }
 

@@ -6,8 +6,8 @@
 
 namespace sprung {
 
-/// A file under construction: written at part(), moved to its place by commit(). Without commit(), the
-/// destructor removes what was written, and a file that stood at the place before is untouched.
+/// A file under construction: written at part(), moved to its place by commit(). Without commit(),
+/// the destructor removes what was written, and a file that stood at the place before is untouched.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path place);

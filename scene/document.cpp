@@ -26,7 +26,9 @@ std::string place(const Node& node, const Origin& origin) {
   return node.file + ":" + std::to_string(origin.line) + ": ";
 }
 
-std::string in_table(const Node& node) { return node.name.empty() ? "" : "[" + node.name + "] "; }
+std::string in_table(const Node& node) {
+  return node.name.empty() ? "" : "[" + node.name + "] ";
+}
 
 std::string shown(const Value& value) {
   const auto text = to_toml(value);
@@ -78,7 +80,8 @@ void refuse_invented_table(const Node& node, const std::string& missing) {
 }
 
 /// `key` is absent. A key of similar name that nobody asks for is the likely culprit.
-[[noreturn]] void refuse_missing(const Node& node, const std::string& key, const std::string& need) {
+[[noreturn]] void refuse_missing(const Node& node, const std::string& key,
+                                 const std::string& need) {
   std::vector<std::string> candidates;
   for (const auto& entry : node.entries)
     if (!entry.read && !node.known.contains(entry.key)) candidates.push_back(entry.key);
@@ -92,7 +95,8 @@ void refuse_invented_table(const Node& node, const std::string& missing) {
   throw SceneError(place(node, node.origin) + in_table(node) + key + " is missing; " + need);
 }
 
-Entry& required(const std::shared_ptr<Node>& node, const std::string& key, const std::string& need) {
+Entry& required(const std::shared_ptr<Node>& node, const std::string& key,
+                const std::string& need) {
   node->known.insert(key);
   Entry* entry = node->find(key);
   if (!entry) refuse_missing(*node, key, need);
@@ -142,8 +146,7 @@ double quantity_in(const Node& node, const Entry& entry, const Value& value,
   try {
     return parse_quantity(*text, dimension);
   } catch (const QuantityError& error) {
-    refuse_entry(node, entry,
-                 &value == &entry.value ? error.reason() : std::string(error.what()));
+    refuse_entry(node, entry, &value == &entry.value ? error.reason() : std::string(error.what()));
   }
 }
 
@@ -206,7 +209,9 @@ std::string read_text(const std::filesystem::path& file) {
 Table::Table(std::shared_ptr<Content> content, std::string name)
     : content_(std::move(content)), name_(std::move(name)) {}
 
-bool Table::has(const std::string& key) const { return is_present(content_->node, key); }
+bool Table::has(const std::string& key) const {
+  return is_present(content_->node, key);
+}
 
 std::vector<std::string> Table::keys() const {
   std::vector<std::string> keys;
@@ -215,7 +220,8 @@ std::vector<std::string> Table::keys() const {
 }
 
 std::string Table::text(const std::string& key) const {
-  const Entry& entry = required(content_->node, key, "write a text in quotes, " + key + " = \"...\"");
+  const Entry& entry =
+      required(content_->node, key, "write a text in quotes, " + key + " = \"...\"");
   const auto* text = std::get_if<std::string>(&entry.value.data);
   if (!text)
     refuse_kind(*content_->node, entry, entry.value, "a text", "write it in quotes, \"...\"");
@@ -339,13 +345,14 @@ void Table::refuse(const std::string& key, const std::string& reason) const {
     if (const Entry* entry = content_->node->find(key)) refuse_entry(node, *entry, reason);
     throw SceneError(place(node, node.origin) + in_table(node) + key + ": " + reason);
   }
-  throw SceneError(place(node, node.origin) +
-                   (node.name.empty() ? "" : "[" + node.name + "]: ") + reason);
+  throw SceneError(place(node, node.origin) + (node.name.empty() ? "" : "[" + node.name + "]: ") +
+                   reason);
 }
 
 Document::Document(const std::filesystem::path& file, const std::vector<std::string>& overrides)
     : file_(file),
-      content_(std::make_shared<Table::Content>(Table::Content{parse(read_text(file), file.string())})) {
+      content_(
+          std::make_shared<Table::Content>(Table::Content{parse(read_text(file), file.string())})) {
   for (const auto& override_text : overrides) apply_override(*content_->node, override_text);
   content_->node->opened = true;
 }
@@ -355,12 +362,15 @@ Document Document::from_text(const std::string& text, const std::string& name,
   Document document;
   document.file_ = name;
   document.content_ = std::make_shared<Table::Content>(Table::Content{parse(text, name)});
-  for (const auto& override_text : overrides) apply_override(*document.content_->node, override_text);
+  for (const auto& override_text : overrides)
+    apply_override(*document.content_->node, override_text);
   document.content_->node->opened = true;
   return document;
 }
 
-Table Document::root() const { return Table(content_, ""); }
+Table Document::root() const {
+  return Table(content_, "");
+}
 
 bool Document::has(const std::string& table) const {
   std::shared_ptr<Node> node = content_->node;
@@ -403,15 +413,18 @@ void Document::refuse_unread() const {
   std::vector<std::pair<const Node*, const Entry*>> unread;
   collect_unread(*content_->node, unread);
   if (unread.empty()) return;
-  const auto first = std::min_element(unread.begin(), unread.end(), [](const auto& a, const auto& b) {
-    const auto rank = [](const Entry& entry) {
-      return std::pair(entry.origin.command_line, entry.origin.line);
-    };
-    return rank(*a.second) < rank(*b.second);
-  });
+  const auto first =
+      std::min_element(unread.begin(), unread.end(), [](const auto& a, const auto& b) {
+        const auto rank = [](const Entry& entry) {
+          return std::pair(entry.origin.command_line, entry.origin.line);
+        };
+        return rank(*a.second) < rank(*b.second);
+      });
   refuse_unknown(*first->first, *first->second);
 }
 
-std::string Document::resolved_toml() const { return to_toml(*content_->node); }
+std::string Document::resolved_toml() const {
+  return to_toml(*content_->node);
+}
 
 }  // namespace sprung

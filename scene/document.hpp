@@ -13,14 +13,16 @@
 namespace sprung {
 
 /// A scene that cannot be run as written. what() is the whole message for the user:
-/// "beam.toml:12: [solid.beam] youngs_modulus = \"0.7 mm\": ...; write a pressure, such as \"0.7 MPa\"".
+/// "beam.toml:12: [solid.beam] youngs_modulus = \"0.7 mm\": ...; write a pressure, such as \"0.7
+/// MPa\"".
 class SceneError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// One table of the document, for instance [solid.beam]. A light handle; the Document must outlive it.
-/// Every read marks its key as known; has() makes it a known word but leaves it unread. All reads throw SceneError with file, line, value and remedy.
+/// One table of the document, for instance [solid.beam]. A light handle; the Document must outlive
+/// it. Every read marks its key as known; has() makes it a known word but leaves it unread. All
+/// reads throw SceneError with file, line, value and remedy.
 class Table {
  public:
   /// Full dotted name ("solid.beam"); empty for the root.
@@ -32,7 +34,8 @@ class Table {
   std::string text(const std::string& key) const;
   /// One of `choices`; anything else is refused with the nearest choice named.
   std::string word(const std::string& key, const std::vector<std::string>& choices) const;
-  std::vector<std::string> words(const std::string& key, const std::vector<std::string>& choices) const;
+  std::vector<std::string> words(const std::string& key,
+                                 const std::vector<std::string>& choices) const;
   bool flag(const std::string& key) const;
   long integer(const std::string& key) const;
   /// A plain, dimensionless, finite number.
@@ -54,8 +57,8 @@ class Table {
   /// Names of the tables inside this one ("beam" in [solid]).
   std::vector<std::string> table_names() const;
 
-  /// Refuses the value at `key` (or the table itself if the key is absent or empty), with its line and
-  /// value in the message; `reason` says what is wrong and what to do.
+  /// Refuses the value at `key` (or the table itself if the key is absent or empty), with its line
+  /// and value in the message; `reason` says what is wrong and what to do.
   [[noreturn]] void refuse(const std::string& key, const std::string& reason) const;
 
  private:
@@ -68,11 +71,12 @@ class Table {
 
 class Document {
  public:
-  /// Reads `file` and applies `overrides` ("sph.spacing=2.5 mm", "solid.beam.youngs_modulus=0.35 MPa",
-  /// "sph.shifting=none", "sph.gradient_correction=true"): each goes through the checks of the file, and
-  /// an error in one names it as "command line". A value that is not a TOML literal is taken as a
-  /// string; of two for the same key the later one holds. Throws SceneError.
-  explicit Document(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+  /// Reads `file` and applies `overrides` ("sph.spacing=2.5 mm", "solid.beam.youngs_modulus=0.35
+  /// MPa", "sph.shifting=none", "sph.gradient_correction=true"): each goes through the checks of
+  /// the file, and an error in one names it as "command line". A value that is not a TOML literal
+  /// is taken as a string; of two for the same key the later one holds. Throws SceneError.
+  explicit Document(const std::filesystem::path& file,
+                    const std::vector<std::string>& overrides = {});
   /// The same from text, for tests; `name` stands where a file name would.
   static Document from_text(const std::string& text, const std::string& name = "scene",
                             const std::vector<std::string>& overrides = {});
@@ -81,8 +85,8 @@ class Document {
   Table root() const;
   bool has(const std::string& table) const;
   Table table(const std::string& dotted_name) const;
-  /// The same, added empty if the scene has none: for tables whose keys all have defaults ([numerics]),
-  /// so that the defaults are written out.
+  /// The same, added empty if the scene has none: for tables whose keys all have defaults
+  /// ([numerics]), so that the defaults are written out.
   Table table_or_new(const std::string& dotted_name) const;
 
   /// Marks a table as another program's business ("reference_fem" for the particle solver).

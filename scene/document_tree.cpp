@@ -117,8 +117,7 @@ Value override_value(const std::string& text, const std::string& override_text, 
   const Origin origin{0, true};
   try {
     const toml::table parsed = toml::parse("value = " + text);
-    if (parsed.size() == 1)
-      return convert(*parsed.get("value"), &parent, key, origin);
+    if (parsed.size() == 1) return convert(*parsed.get("value"), &parent, key, origin);
   } catch (const toml::parse_error& error) {
     if (text.find_first_of("[{\"'") == 0)
       refuse_override(override_text, "the value is not valid TOML (" +
@@ -183,10 +182,10 @@ void apply_override(Node& root, const std::string& override_text) {
   for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
     Entry* entry = table->find(keys[i]);
     if (entry && !entry->value.is_table())
-      refuse_override(override_text, join(table->name, keys[i]) + " is a value, not a table; write " +
+      refuse_override(override_text, join(table->name, keys[i]) +
+                                         " is a value, not a table; write " +
                                          join(table->name, keys[i]) + "=...");
-    table = entry ? entry->value.table().get()
-                  : table->add_child(keys[i], Origin{0, true}).get();
+    table = entry ? entry->value.table().get() : table->add_child(keys[i], Origin{0, true}).get();
   }
   Value value = override_value(text, override_text, *table, keys.back());
   Entry* entry = table->find(keys.back());
@@ -238,7 +237,9 @@ std::string toml_number(double number) {
   return text;
 }
 
-std::string toml_key(const std::string& key) { return is_bare_key(key) ? key : quoted(key); }
+std::string toml_key(const std::string& key) {
+  return is_bare_key(key) ? key : quoted(key);
+}
 
 std::string inline_table(const Node& node) {
   std::string text = "{";
@@ -288,7 +289,9 @@ std::string toml_library_version() {
          std::to_string(TOML_LIB_PATCH);
 }
 
-std::string to_toml(const Value& value) { return std::visit(ToToml{}, value.data); }
+std::string to_toml(const Value& value) {
+  return std::visit(ToToml{}, value.data);
+}
 
 std::string to_toml(const Node& root) {
   std::string text;

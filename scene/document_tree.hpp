@@ -1,6 +1,6 @@
 #pragma once
-/// The scene file as a tree of keys and values that remember where they were written and whether anyone
-/// has read them. Private to the library: programs use scene/document.hpp.
+/// The scene file as a tree of keys and values that remember where they were written and whether
+/// anyone has read them. Private to the library: programs use scene/document.hpp.
 
 #include <cstdint>
 #include <memory>
@@ -41,14 +41,14 @@ struct Entry {
 };
 
 struct Node {
-  std::string name;         ///< dotted, empty for the root
-  std::string file;         ///< as messages name it
+  std::string name;  ///< dotted, empty for the root
+  std::string file;  ///< as messages name it
   Origin origin;
-  bool is_inline = false;   ///< written as { ... }
-  bool opened = false;      ///< asked for as a table
+  bool is_inline = false;  ///< written as { ... }
+  bool opened = false;     ///< asked for as a table
   Node* parent = nullptr;
-  std::vector<Entry> entries;     ///< in the file's order
-  std::set<std::string> known;    ///< keys that someone has asked for
+  std::vector<Entry> entries;   ///< in the file's order
+  std::set<std::string> known;  ///< keys that someone has asked for
 
   Entry* find(const std::string& key);
   /// The sub-table `key`, or null.

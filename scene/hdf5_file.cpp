@@ -27,8 +27,7 @@ Handle link_properties() {
 
 }  // namespace
 
-Handle::Handle(Handle&& other) noexcept
-    : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+Handle::Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
 
 Handle& Handle::operator=(Handle&& other) noexcept {
   std::swap(id_, other.id_);
@@ -46,7 +45,9 @@ QuietErrors::QuietErrors() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-QuietErrors::~QuietErrors() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+QuietErrors::~QuietErrors() {
+  H5Eset_auto2(H5E_DEFAULT, function_, data_);
+}
 
 Output::Output(const std::filesystem::path& file)
     : target_(file),
@@ -82,9 +83,10 @@ void Output::write(const std::string& path, hid_t type, const void* values, std:
   const Handle links = link_properties();
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(properties.get(), false);
-  const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
-  Handle data(H5Dcreate2(file_.get(), path.c_str(), type, space.get(), links.get(), properties.get(),
-                         H5P_DEFAULT),
+  const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+                     H5Sclose);
+  Handle data(H5Dcreate2(file_.get(), path.c_str(), type, space.get(), links.get(),
+                         properties.get(), H5P_DEFAULT),
               H5Dclose);
   if (!data.valid()) fail("cannot hold " + path);
   if (count > 0 && H5Dwrite(data.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
@@ -125,7 +127,8 @@ void Output::attribute(const std::string& path, const std::string& name,
 
 void Output::link(const std::string& path, const std::string& target) {
   const Handle links = link_properties();
-  if (H5Lcreate_external(target.c_str(), "/", file_.get(), path.c_str(), links.get(), H5P_DEFAULT) < 0)
+  if (H5Lcreate_external(target.c_str(), "/", file_.get(), path.c_str(), links.get(), H5P_DEFAULT) <
+      0)
     fail("cannot hold the link " + path);
 }
 
@@ -136,14 +139,15 @@ void Output::commit() {
 
 Input::Input(const std::filesystem::path& file) : name_(file) {
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw std::runtime_error(file.string() + ": is missing");
+  if (!std::filesystem::exists(file, error))
+    throw std::runtime_error(file.string() + ": is missing");
   file_ = Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (!file_.valid())
-    throw std::runtime_error(file.string() + ": is damaged, or not an HDF5 file");
+  if (!file_.valid()) throw std::runtime_error(file.string() + ": is damaged, or not an HDF5 file");
 }
 
 void Input::fail(const std::string& what) const {
-  throw std::runtime_error(name_.string() + ": is damaged, or not written by this program: " + what);
+  throw std::runtime_error(name_.string() +
+                           ": is damaged, or not written by this program: " + what);
 }
 
 bool Input::has(const std::string& path) const {
@@ -154,7 +158,8 @@ std::vector<std::string> Input::names(const std::string& path) const {
   const Handle group(H5Gopen2(file_.get(), path.c_str(), H5P_DEFAULT), H5Gclose);
   if (!group.valid()) fail("no group " + path);
   std::vector<std::string> names;
-  const H5L_iterate_t collect = [](hid_t, const char* name, const H5L_info_t*, void* data) -> herr_t {
+  const H5L_iterate_t collect = [](hid_t, const char* name, const H5L_info_t*,
+                                   void* data) -> herr_t {
     static_cast<std::vector<std::string>*>(data)->push_back(name);
     return 0;
   };

@@ -1,6 +1,6 @@
 #pragma once
-/// The little of HDF5 that records need, with errors as exceptions that name the file. Private to the
-/// library; the types of HDF5 do not appear outside it.
+/// The little of HDF5 that records need, with errors as exceptions that name the file. Private to
+/// the library; the types of HDF5 do not appear outside it.
 
 #include "scene/atomic_file.hpp"
 
@@ -48,9 +48,9 @@ class QuietErrors {
 
 using Shape = std::vector<hsize_t>;
 
-/// A new file at its ".part" place; commit() closes it and moves it to its own. Objects are named by
-/// their path in the file ("/series/tip"); groups on the way are made. Two files of the same content
-/// are the same bytes: no times are stored.
+/// A new file at its ".part" place; commit() closes it and moves it to its own. Objects are named
+/// by their path in the file ("/series/tip"); groups on the way are made. Two files of the same
+/// content are the same bytes: no times are stored.
 class Output {
  public:
   explicit Output(const std::filesystem::path& file);
@@ -77,7 +77,8 @@ class Output {
   Handle file_;
 };
 
-/// An existing file, for reading. Throws std::runtime_error naming the file if it is missing or damaged.
+/// An existing file, for reading. Throws std::runtime_error naming the file if it is missing or
+/// damaged.
 class Input {
  public:
   explicit Input(const std::filesystem::path& file);

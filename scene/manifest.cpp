@@ -5,9 +5,9 @@
 #include "scene/progress.hpp"
 
 #include <hdf5.h>
-#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <ctime>
@@ -121,7 +121,8 @@ void continue_manifest(FullManifest& manifest, const std::string& text, const st
     const Json json = Json::parse(text);
     const auto require_same = [&](const char* what, const std::string& mine, const char* remedy) {
       if (json.at(what).get<std::string>() != mine)
-        throw std::runtime_error(file + ": the record was made with another " + what + "; " + remedy);
+        throw std::runtime_error(file + ": the record was made with another " + what + "; " +
+                                 remedy);
     };
     require_same("solver", manifest.run.solver, "resume it with that solver");
     require_same("scene_toml", manifest.run.scene_toml,

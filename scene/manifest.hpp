@@ -34,9 +34,9 @@ std::string utc_now();
 
 std::string manifest_json(const FullManifest& manifest);
 
-/// Takes over start, costs and resumptions from `json`, the manifest of a run stopped earlier, and adds
-/// the resumption at `time`. Throws std::runtime_error if the text is damaged or describes another solver
-/// or scene; `file` names it in messages.
+/// Takes over start, costs and resumptions from `json`, the manifest of a run stopped earlier, and
+/// adds the resumption at `time`. Throws std::runtime_error if the text is damaged or describes
+/// another solver or scene; `file` names it in messages.
 void continue_manifest(FullManifest& manifest, const std::string& json, const std::string& file,
                        double time);
 

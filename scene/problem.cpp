@@ -11,8 +11,8 @@
 namespace sprung {
 namespace {
 
-/// Lengths of a scene are decimal numbers turned into doubles once; what differs by less than this part
-/// of the channel is the same place.
+/// Lengths of a scene are decimal numbers turned into doubles once; what differs by less than this
+/// part of the channel is the same place.
 constexpr double relative_tolerance = 1e-10;
 
 constexpr std::array side_names{"left", "right", "bottom", "top", "back", "front"};
@@ -59,6 +59,15 @@ bool contains(const Box& box, const Point& point, double tolerance) {
 double coordinate(const Box& box, Side side) {
   const int index = static_cast<int>(side);
   return index % 2 == 0 ? box.from[index / 2] : box.to[index / 2];
+}
+
+/// [solid] and [probes] hold tables only.
+void refuse_loose_keys(const Table& table, const std::string& example) {
+  const auto tables = table.table_names();
+  for (const auto& key : table.keys())
+    if (std::find(tables.begin(), tables.end(), key) == tables.end())
+      table.refuse(key, "[" + table.name() + "] holds a table for each name, such as " + example +
+                            "; put this key into one");
 }
 
 /// Reads one scene; what it has read so far stands in `problem`.
@@ -138,9 +147,10 @@ Box ProblemReader::read_box(const Table& table) const {
   const Box box{read_point(table, "from"), read_point(table, "to")};
   for (int i = 0; i < problem_.dimension; ++i)
     if (!(box.to[i] > box.from[i]))
-      table.refuse("to", "a box without extent, " + box_text(box, problem_.dimension) +
-                             "; from is the corner with the smallest coordinates, to the one with the "
-                             "largest");
+      table.refuse("to",
+                   "a box without extent, " + box_text(box, problem_.dimension) +
+                       "; from is the corner with the smallest coordinates, to the one with the "
+                       "largest");
   return box;
 }
 
@@ -165,14 +175,16 @@ std::vector<double> ProblemReader::read_times(const Table& table) const {
   if (times.empty()) table.refuse("times", "names no time; write for instance times = [\"1 s\"]");
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (times[i] < 0.0)
-      table.refuse("times", number_text(times[i]) + " s lies before the start; write times from 0 s on");
+      table.refuse("times",
+                   number_text(times[i]) + " s lies before the start; write times from 0 s on");
     if (times[i] > problem_.end_time)
       table.refuse("times", number_text(times[i]) + " s lies beyond the end of the run at " +
                                 number_text(problem_.end_time) +
                                 " s; leave it out or raise end in [time]");
     if (i > 0 && !(times[i] > times[i - 1]))
       table.refuse("times", number_text(times[i]) + " s does not come after " +
-                                number_text(times[i - 1]) + " s; write the times in ascending order");
+                                number_text(times[i - 1]) +
+                                " s; write the times in ascending order");
   }
   return times;
 }
@@ -181,28 +193,31 @@ void ProblemReader::claim(const Table& table, const std::string& key, Side side,
                           const std::string& condition) {
   const auto [at, is_new] = conditions_.emplace(side, condition);
   if (!is_new)
-    table.refuse(key, std::string("the side \"") + to_string(side) + "\" has a condition already (" +
-                          at->second + "); give every side one condition");
+    table.refuse(key, std::string("the side \"") + to_string(side) +
+                          "\" has a condition already (" + at->second +
+                          "); give every side one condition");
 }
 
 void ProblemReader::read_domain() {
-  const Table domain =
-      required_table("domain", "channel = { from = [\"0 m\", \"0 m\"], to = [\"0.9 m\", \"0.3 m\"] }");
+  const Table domain = required_table(
+      "domain", "channel = { from = [\"0 m\", \"0 m\"], to = [\"0.9 m\", \"0.3 m\"] }");
   const Table channel = domain.table("channel");
   const auto corner = channel.quantities("from", dimension::length);
   if (corner.size() != 2 && corner.size() != 3)
-    channel.refuse("from", std::to_string(corner.size()) +
-                               " coordinates; write two for a plane problem, [\"0 m\", \"0 m\"], or three");
+    channel.refuse("from",
+                   std::to_string(corner.size()) +
+                       " coordinates; write two for a plane problem, [\"0 m\", \"0 m\"], or three");
   problem_.dimension = static_cast<int>(corner.size());
   problem_.channel = read_box(channel);
 }
 
 void ProblemReader::read_time_and_fluid() {
   problem_.end_time = positive(required_table("time", "end = \"3 s\""), "end", dimension::time);
-  problem_.density = positive(required_table("fluid", "density = \"1000 kg/m3\""), "density",
-                              dimension::density);
+  problem_.density =
+      positive(required_table("fluid", "density = \"1000 kg/m3\""), "density", dimension::density);
   if (root_.has("viscosity"))
-    problem_.viscosity = {positive(root_.table("viscosity"), "dynamic", dimension::dynamic_viscosity)};
+    problem_.viscosity = {
+        positive(root_.table("viscosity"), "dynamic", dimension::dynamic_viscosity)};
 }
 
 void ProblemReader::read_walls() {
@@ -272,7 +287,9 @@ void ProblemReader::read_solids() {
   if (!root_.has("solid")) return;
   const Table table = root_.table("solid");
   const auto names = table.table_names();
-  if (names.empty()) table.refuse("", "holds no body; write a table for each, such as [solid.beam]");
+  refuse_loose_keys(table, "[solid.beam]");
+  if (names.empty())
+    table.refuse("", "holds no body; write a table for each, such as [solid.beam]");
   for (const auto& name : names) {
     const Table body = table.table(name);
     check_name(body, name, "body");
@@ -315,8 +332,8 @@ void ProblemReader::check_clamp(const Table& table, const Solid& solid) const {
   const std::string name = to_string(side);
   if (std::abs(body - wall) > tolerance())
     table.refuse("clamped", "the body ends at " + axis + " = " + number_text(body) +
-                                " m and does not touch the side \"" + name + "\" of the channel at " +
-                                axis + " = " + number_text(wall) +
+                                " m and does not touch the side \"" + name +
+                                "\" of the channel at " + axis + " = " + number_text(wall) +
                                 " m; move the body there or clamp it to the side that it touches");
   if ((problem_.inflow && problem_.inflow->side == side) ||
       (problem_.outflow && problem_.outflow->side == side))
@@ -328,7 +345,8 @@ void ProblemReader::read_probes() {
   if (!root_.has("probes")) return;
   const Table table = root_.table("probes");
   const auto names = table.table_names();
-  if (names.empty() && table.keys().empty())
+  refuse_loose_keys(table, "[probes.tip]");
+  if (names.empty())
     table.refuse("", "holds no probe; write a table for each, such as [probes.tip], or remove it");
   for (const auto& name : names) {
     const Table probe = table.table(name);
@@ -338,7 +356,8 @@ void ProblemReader::read_probes() {
 }
 
 void ProblemReader::read_probe(const Table& table, const std::string& name) {
-  const std::vector<std::string> kinds{"displacement_of", "velocity_along", "force_on", "outline_of"};
+  const std::vector<std::string> kinds{"displacement_of", "velocity_along", "force_on",
+                                       "outline_of"};
   std::vector<std::string> present;
   for (const auto& kind : kinds)
     if (table.has(kind)) present.push_back(kind);
@@ -380,8 +399,9 @@ std::string ProblemReader::solids_text() const {
 void ProblemReader::read_displacement(const Table& table, const std::string& name) {
   DisplacementProbe probe{name, read_point(table, "displacement_of"), ""};
   if (problem_.solids.empty())
-    table.refuse("displacement_of", "the scene has no solid; add one, such as [solid.beam], or remove "
-                                    "this probe");
+    table.refuse("displacement_of",
+                 "the scene has no solid; add one, such as [solid.beam], or remove "
+                 "this probe");
   for (const auto& solid : problem_.solids)
     if (probe.solid.empty() && contains(solid.body, probe.point, tolerance()))
       probe.solid = solid.name;
@@ -403,7 +423,8 @@ void ProblemReader::read_profile(const Table& table, const std::string& name) {
       along.refuse(key, "the point " + point_text(point, problem_.dimension) +
                             " lies outside the channel, which reaches " +
                             box_text(problem_.channel, problem_.dimension) + "; move it inside");
-  if (probe.from == probe.to) along.refuse("to", "the same point as from; write the line's other end");
+  if (probe.from == probe.to)
+    along.refuse("to", "the same point as from; write the line's other end");
   probe.points = read_count(along, 2);
   probe.times = read_times(table);
   problem_.probes.velocity_profile.push_back(std::move(probe));
@@ -413,12 +434,13 @@ std::string ProblemReader::read_solid_name(const Table& table, const std::string
   std::vector<std::string> names;
   for (const auto& solid : problem_.solids) names.push_back(solid.name);
   if (names.empty())
-    table.refuse(key, "the scene has no solid; add one, such as [solid.beam], or remove this probe");
+    table.refuse(key,
+                 "the scene has no solid; add one, such as [solid.beam], or remove this probe");
   return table.word(key, names);
 }
 
-/// Field output and the probes' own times, merged. A field time that is a probe's time up to rounding
-/// takes the probe's value, which is the decimal number of the scene file.
+/// Field output and the probes' own times, merged. A field time that is a probe's time up to
+/// rounding takes the probe's value, which is the decimal number of the scene file.
 void ProblemReader::read_record() {
   auto& all = problem_.probes.all_times;
   for (const auto& probe : problem_.probes.velocity_profile)
@@ -441,7 +463,8 @@ void ProblemReader::read_record() {
                                      " snapshots until the end; write a longer interval");
   const double near = relative_tolerance * problem_.end_time;
   const auto probe_times = all;
-  const auto last = std::llround(std::floor(problem_.end_time / every * (1.0 + relative_tolerance)));
+  const auto last =
+      std::llround(std::floor(problem_.end_time / every * (1.0 + relative_tolerance)));
   for (long long i = 0; i <= last; ++i) {
     const double time = std::min(static_cast<double>(i) * every, problem_.end_time);
     const auto next = std::lower_bound(probe_times.begin(), probe_times.end(), time - near);
@@ -452,7 +475,9 @@ void ProblemReader::read_record() {
 
 }  // namespace
 
-const char* to_string(Side side) { return side_names[static_cast<std::size_t>(side)]; }
+const char* to_string(Side side) {
+  return side_names[static_cast<std::size_t>(side)];
+}
 
 double Inflow::speed(double s, double height, double t) const {
   const double start = ramp > 0.0 ? std::clamp(t / ramp, 0.0, 1.0) : 1.0;
@@ -460,12 +485,15 @@ double Inflow::speed(double s, double height, double t) const {
   return 6.0 * mean_velocity * s * (height - s) / (height * height) * start;
 }
 
-Problem read_problem(const Document& document) { return ProblemReader(document).read(); }
+Problem read_problem(const Document& document) {
+  return ProblemReader(document).read();
+}
 
 std::vector<Point> outline_points(const Solid& solid, int points) {
   const auto& [from, to] = solid.body;
   // Clockwise from the lower left corner; side i runs from corner i to corner i + 1.
-  const std::array<Point, 4> corners{from, Point{from[0], to[1], from[2]}, to, Point{to[0], from[1], from[2]}};
+  const std::array<Point, 4> corners{from, Point{from[0], to[1], from[2]}, to,
+                                     Point{to[0], from[1], from[2]}};
   constexpr std::array clockwise{Side::left, Side::top, Side::right, Side::bottom};
   std::size_t first = 0;
   std::size_t sides = 4;

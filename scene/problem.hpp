@@ -20,7 +20,7 @@ struct Box {
   Point to{};
 };
 
-/// Sides of the channel box. "left"/"right" bound x, "bottom"/"top" bound y, "back"/"front" bound z.
+/// Sides of the channel box: "left"/"right" bound x, "bottom"/"top" y, "back"/"front" z.
 enum class Side { left, right, bottom, top, back, front };
 const char* to_string(Side side);
 
@@ -33,14 +33,15 @@ struct Walls {
   std::vector<Side> free_slip;
 };
 
-/// Normal velocity over one side, Eq. 6 of the paper: profile(s) x mean_velocity x min(t / ramp, 1).
+/// Normal velocity over one side, Eq. 6 of the paper:
+/// profile(s) x mean_velocity x min(t / ramp, 1).
 struct Inflow {
   Side side = Side::left;
   enum class Profile { parabolic, uniform } profile = Profile::parabolic;
   double mean_velocity = 0.0;  ///< m/s
   double ramp = 0.0;           ///< s; 0 means full speed from the start
-  /// Speed at distance `s` (m) along a side of length `height` (m) at time `t` (s). Eq. 6 read as the
-  /// parabola of mean `mean_velocity`: 6 u s (H - s) / H^2.
+  /// Speed at distance `s` (m) along a side of length `height` (m) at time `t` (s). Eq. 6 read as
+  /// the parabola of mean `mean_velocity`: 6 u s (H - s) / H^2.
   double speed(double s, double height, double t) const;
 };
 
@@ -72,14 +73,15 @@ struct VelocityProfileProbe {
   std::vector<double> times;
 };
 
-/// Force of the fluid on a solid, N per metre of depth in a plane problem, components along the axes.
+/// Force of the fluid on a solid, components along the axes; N per metre of depth in a plane
+/// problem.
 struct ForceProbe {
   std::string name;
   std::string solid;
 };
 
-/// Where the material points of a body's wetted outline have moved to, at `times`. Points are spaced
-/// evenly along the outline from one clamped corner round to the other.
+/// Where the material points of a body's wetted outline have moved to, at `times`. Points are
+/// spaced evenly along the outline from one clamped corner round to the other.
 struct OutlineProbe {
   std::string name;
   std::string solid;
@@ -112,12 +114,16 @@ struct Problem {
   double fields_every = 0.0;  ///< s between field snapshots; 0: only at the probes' times
 };
 
-/// Reads and checks the shared tables. Refuses, with file, line, value and remedy: a body that is not
-/// inside the channel or does not touch the side it is clamped to, a probe outside the domain or its body,
-/// times beyond the end, a side that is given two conditions.
+/// Reads and checks the shared tables. Refuses, with file, line, value and remedy: a body that is
+/// not inside the channel or does not touch the side it is clamped to, a probe outside the domain
+/// or its body, times beyond the end, a side that is given two conditions.
 Problem read_problem(const Document& document);
 
-/// The material points of an outline probe, `points` of them, along the body's free sides.
+/// The material points of an outline probe, `points` of them, evenly spaced along the body's free
+/// sides, clockwise as seen with x to the right and y up. A clamped body: from one clamped corner to
+/// the other, both included ("bottom": up the left side, along the top, down the right side). A free
+/// one: once round from the lower left corner, which is not repeated at the end. Throws
+/// std::invalid_argument for fewer than two points or a body clamped in the third direction.
 std::vector<Point> outline_points(const Solid& solid, int points);
 
 }  // namespace sprung

@@ -11,9 +11,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double quiet_seconds = 3.0;       // shorter runs say nothing
-constexpr double terminal_interval = 0.2;   // s between renewals of the line
-constexpr double line_interval = 10.0;      // s between lines elsewhere
+constexpr double quiet_seconds = 3.0;      // shorter runs say nothing
+constexpr double terminal_interval = 0.2;  // s between renewals of the line
+constexpr double line_interval = 10.0;     // s between lines elsewhere
 
 const Clock::time_point process_start = Clock::now();
 
@@ -80,6 +80,8 @@ double processor_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-double wall_seconds() { return seconds_since(process_start); }
+double wall_seconds() {
+  return seconds_since(process_start);
+}
 
 }  // namespace sprung

@@ -1,6 +1,6 @@
 #pragma once
-/// Progress with the time left, on standard error: one line that renews itself on a terminal, a line
-/// every ten seconds elsewhere.
+/// Progress with the time left, on standard error: one line that renews itself on a terminal, a
+/// line every ten seconds elsewhere. Runs of less than three seconds say nothing.
 
 #include <chrono>
 #include <string>
@@ -9,7 +9,8 @@ namespace sprung {
 
 class Progress {
  public:
-  /// `what` stands at the line's start; `total` is where `advance` will end (simulated seconds, say).
+  /// `what` stands at the line's start; `total` is where `advance` will end (simulated seconds, say),
+  /// `start` where it begins (not 0 after a resume).
   Progress(std::string what, double total, double start = 0.0);
   ~Progress();
   /// Tells how far the run is, with an optional remark ("dt 1.0 ms, 14 iterations").

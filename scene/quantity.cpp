@@ -1,6 +1,10 @@
 #include "scene/quantity.hpp"
 
+#include "scene/spelling.hpp"
+
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -57,8 +61,8 @@ std::string name_of(const Dimension& dimension) {
   return text;
 }
 
-/// One unit is `factor` x 10^`power_of_ten` in kg, m and s. The power is kept apart so that it can be
-/// joined to the decimal number before rounding.
+/// One unit is `factor` x 10^`power_of_ten` in kg, m and s. The power is kept apart so that it can
+/// be joined to the decimal number before rounding.
 struct Unit {
   Dimension dimension;
   int power_of_ten = 0;
@@ -95,10 +99,9 @@ struct Prefix {
   int power_of_ten;
 };
 
-constexpr std::array prefixes{Prefix{"n", -9},  Prefix{"u", -6}, Prefix{"\u00b5", -6},
-                              Prefix{"\u03bc", -6}, Prefix{"m", -3}, Prefix{"c", -2},
-                              Prefix{"d", -1},  Prefix{"k", 3},  Prefix{"M", 6},
-                              Prefix{"G", 9}};
+constexpr std::array prefixes{
+    Prefix{"n", -9}, Prefix{"u", -6}, Prefix{"\u00b5", -6}, Prefix{"\u03bc", -6}, Prefix{"m", -3},
+    Prefix{"c", -2}, Prefix{"d", -1}, Prefix{"k", 3},       Prefix{"M", 6},       Prefix{"G", 9}};
 
 std::optional<Unit> find_symbol(std::string_view text) {
   for (const auto& symbol : symbols)
@@ -114,6 +117,24 @@ std::optional<Unit> find_symbol(std::string_view text) {
     }
   }
   return std::nullopt;
+}
+
+/// "; capitals count: MPa or mPa", if the symbol is a unit but for its capitals.
+std::string differing_in_case(std::string_view text) {
+  const auto lower = [](std::string word) {
+    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return word;
+  };
+  const auto wanted = lower(std::string(text));
+  std::vector<std::string> found;
+  for (const auto& symbol : symbols) {
+    if (lower(symbol.text) == wanted) found.emplace_back(symbol.text);
+    for (const auto& prefix : prefixes) {
+      const auto word = std::string(prefix.text) + symbol.text;
+      if (symbol.takes_prefix && lower(word) == wanted) found.push_back(word);
+    }
+  }
+  return found.empty() ? "" : "; capitals count: " + list_words(found, false);
 }
 
 constexpr int largest_exponent = 9;
@@ -137,8 +158,8 @@ Unit parse_factor(std::string_view text, const std::string& value) {
   const auto unit = find_symbol(symbol);
   if (!unit)
     throw QuantityError(
-        value, "the unit \"" + std::string(symbol) +
-                   "\" is not known; units are m, g, s, min, Hz, N, dyn, Pa, bar, mmHg, P, J, W and L "
+        value, "the unit \"" + std::string(symbol) + "\" is not known" + differing_in_case(symbol) +
+                   "; units are m, g, s, min, Hz, N, dyn, Pa, bar, mmHg, P, J, W and L "
                    "with the prefixes n, u, m, c, d, k, M and G, as in \"mm/s\" or \"kg/m3\"");
   return {{unit->dimension.mass * exponent, unit->dimension.length * exponent,
            unit->dimension.time * exponent},
@@ -185,9 +206,10 @@ Unit parse_unit(std::string_view text, const std::string& value) {
     const auto factor = text.substr(at, end - at);
     at = end;
     if (divided && !divide)
-      throw QuantityError(value, "the unit \"" + std::string(text) +
-                                     "\" multiplies after a division, which can be read in two ways; "
-                                     "write every divisor behind a / of its own, as in \"kg/m/s\"");
+      throw QuantityError(value,
+                          "the unit \"" + std::string(text) +
+                              "\" multiplies after a division, which can be read in two ways; "
+                              "write every divisor behind a / of its own, as in \"kg/m/s\"");
     if (factor == "1")
       expect_factor = false;
     else
@@ -197,13 +219,17 @@ Unit parse_unit(std::string_view text, const std::string& value) {
     expect_factor = false;
   }
   if (expect_factor && !text.empty())
-    throw QuantityError(value, "the unit \"" + std::string(text) + "\" ends with a sign; complete it");
+    throw QuantityError(value,
+                        "the unit \"" + std::string(text) + "\" ends with a sign; complete it");
   return product;
 }
 
-/// Splits "2.5e-3 mm" into its number and its unit. An "e" belongs to the number only before digits.
+/// Splits "2.5e-3 mm" into its number and its unit. An "e" belongs to the number only before
+/// digits.
 std::size_t number_length(std::string_view text) {
-  const auto digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
+  const auto digit = [&](std::size_t i) {
+    return i < text.size() && text[i] >= '0' && text[i] <= '9';
+  };
   std::size_t at = 0;
   if (at < text.size() && (text[at] == '+' || text[at] == '-')) ++at;
   const std::size_t first = at;
@@ -265,13 +291,17 @@ double parse_quantity(std::string_view text, const Dimension& expected) {
   if (length == 0)
     throw QuantityError(value, "does not begin with a finite number; write " + describe(expected));
   const auto unit_text = trim(text.substr(length));
+  if (unit_text.starts_with(','))
+    throw QuantityError(
+        value, "a comma in the number; write a decimal point, as in " + describe(expected));
   if (unit_text.empty() && expected != dimension::none)
     throw QuantityError(value, "a number without a unit; write " + describe(expected));
   const Unit unit = parse_unit(unit_text, value);
   if (unit.dimension != expected)
     throw QuantityError(value, name_of(unit.dimension) + " where " + name_of(expected) +
                                    " is needed; write " + describe(expected));
-  const double number = scaled_decimal(text.substr(0, length), unit.power_of_ten, value) * unit.factor;
+  const double number =
+      scaled_decimal(text.substr(0, length), unit.power_of_ten, value) * unit.factor;
   if (!std::isfinite(number))
     throw QuantityError(value, "the number is out of range; write one that a double can hold");
   return number;

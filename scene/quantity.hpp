@@ -30,8 +30,8 @@ inline constexpr Dimension dynamic_viscosity{1, -1, -1};
 /// What a quantity looks like in words, for error messages: "a length, such as \"3.75 mm\"".
 std::string describe(const Dimension& dimension);
 
-/// A text that is not the quantity asked for. what() names the value; reason() is the same without it,
-/// for messages that have named it already.
+/// A text that is not the quantity asked for. what() names the value; reason() is the same without
+/// it, for messages that have named it already.
 class QuantityError : public std::invalid_argument {
  public:
   QuantityError(const std::string& value, const std::string& reason)
@@ -42,12 +42,11 @@ class QuantityError : public std::invalid_argument {
   std::string reason_;
 };
 
-/// SI value of `text` ("0.7 MPa" gives 7e5). Units are products and quotients of prefixed symbols with
-/// integer exponents: "kg/m3", "Pa s", "mm/s", "m/s2", "1/s", "mmHg".
-/// A decimal prefix moves the decimal point before the number is rounded, so "3.75 mm" is exactly 0.00375
-/// and "300 mm" exactly "0.3 m".
-/// Throws QuantityError, whose text names the value and the remedy, when the number or the unit cannot be
-/// read, the number is not finite, or the dimension is not `expected`.
+/// SI value of `text` ("0.7 MPa" gives 7e5). Units are products and quotients of prefixed symbols
+/// with integer exponents: "kg/m3", "Pa s", "mm/s", "m/s2", "1/s", "mmHg". A decimal prefix moves
+/// the decimal point before the number is rounded, so "3.75 mm" is exactly 0.00375 and "300 mm"
+/// exactly "0.3 m". Throws QuantityError, whose text names the value and the remedy, when the
+/// number or the unit cannot be read, the number is not finite, or the dimension is not `expected`.
 double parse_quantity(std::string_view text, const Dimension& expected);
 
 }  // namespace sprung

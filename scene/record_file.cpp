@@ -25,7 +25,8 @@ SeriesData read_columns(const hdf5::Input& input, const std::string& path) {
   const auto names = input.texts(path, "columns");
   const auto units = input.texts(path, "units");
   const auto shape = input.shape(path);
-  if (names.empty() || units.size() != names.size() || shape.size() != 2 || shape[1] != names.size())
+  if (names.empty() || units.size() != names.size() || shape.size() != 2 ||
+      shape[1] != names.size())
     input.fail("the columns of " + path + " do not fit their names");
   for (std::size_t i = 0; i < names.size(); ++i) data.columns.push_back({names[i], units[i]});
   data.values = input.doubles(path);
@@ -44,6 +45,7 @@ void write_record_file(const std::filesystem::path& folder, const RecordContent&
   hdf5::Output output(folder / "record.h5");
   output.attribute("/", "format", std::string("sprung record"));
   output.attribute("/", "format_version", format_version);
+  output.attribute("/", "reached", content.reached);
   output.group("/series");
   for (const auto& [name, data] : content.series) write_columns(output, "/series/" + name, data);
   output.group("/tables");
@@ -68,6 +70,7 @@ RecordContent read_record_file(const std::filesystem::path& folder, bool with_sn
     input.fail("it has the format " + std::to_string(version) + ", this program reads " +
                std::to_string(format_version));
   RecordContent content;
+  content.reached = input.number("/", "reached");
   for (const auto& name : input.names("/series"))
     content.series[name] = read_columns(input, "/series/" + name);
   for (const auto& name : input.names("/tables"))

@@ -1,7 +1,7 @@
 #include "scene/atomic_file.hpp"
-#include "scene/numbers.hpp"
 #include "scene/record.hpp"
 #include "scene/record_file.hpp"
+#include "scene/record_text.hpp"
 #include "scene/spelling.hpp"
 
 #include <nlohmann/json.hpp>
@@ -15,8 +15,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Times read from a scene file and times that a solver stepped to differ by less than this part of the
-/// largest time.
+/// Times read from a scene file and times that a solver stepped to differ by less than this part of
+/// the largest time.
 constexpr double time_tolerance = 1e-9;
 
 std::string names_in(const auto& map) {
@@ -46,7 +46,8 @@ std::vector<double> SeriesData::column(const std::string& name) const {
   if (at == columns.end()) {
     std::vector<std::string> names;
     for (const auto& column : columns) names.push_back(column.name);
-    throw std::runtime_error("no column " + name + "; there are " + list_words(names, false, "and"));
+    throw std::runtime_error("no column " + name + "; there are " +
+                             list_words(names, false, "and"));
   }
   const auto first = static_cast<std::size_t>(at - columns.begin());
   std::vector<double> result;
@@ -63,7 +64,9 @@ RecordReader::RecordReader(std::filesystem::path folder) : folder_(std::move(fol
   tables_ = std::move(content.tables);
 }
 
-bool RecordReader::has_series(const std::string& name) const { return series_.contains(name); }
+bool RecordReader::has_series(const std::string& name) const {
+  return series_.contains(name);
+}
 
 const SeriesData& RecordReader::series(const std::string& name) const {
   const auto at = series_.find(name);
@@ -115,8 +118,8 @@ std::vector<std::pair<std::string, double>> RecordReader::cost() const {
     for (const auto& entry : json.at("cost"))
       cost.emplace_back(entry.at("phase").get<std::string>(), entry.at("seconds").get<double>());
   } catch (const Json::exception& error) {
-    throw std::runtime_error((folder_ / "manifest.json").string() + ": is damaged (" + error.what() +
-                             ")");
+    throw std::runtime_error((folder_ / "manifest.json").string() + ": is damaged (" +
+                             error.what() + ")");
   }
   return cost;
 }

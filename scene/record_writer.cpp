@@ -1,8 +1,8 @@
 #include "scene/atomic_file.hpp"
 #include "scene/manifest.hpp"
-#include "scene/numbers.hpp"
 #include "scene/record.hpp"
 #include "scene/record_file.hpp"
+#include "scene/record_text.hpp"
 #include "scene/snapshot.hpp"
 
 #include <algorithm>
@@ -26,6 +26,7 @@ struct RecordWriter::State {
   void remove_old() const;
   void remove_beyond(double time);
   void add_snapshot(double time, const SnapshotData& data);
+  void reach(double time) { content.reached = std::max(content.reached, time); }
   void flush();
 };
 
@@ -35,14 +36,6 @@ bool same_columns(const std::vector<Column>& a, const std::vector<Column>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Column& x, const Column& y) {
     return x.name == y.name && x.unit == y.unit;
   });
-}
-
-void require_name(const std::string& name, const std::string& what) {
-  const bool usable = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return c < 0x80 && (std::isalnum(c) || c == '_');
-  });
-  if (!usable)
-    throw std::logic_error("\"" + name + "\" cannot name a " + what + ": letters, digits and _ only");
 }
 
 fs::path series_file(const fs::path& folder, const std::string& name) {
@@ -81,7 +74,8 @@ void RecordWriter::State::make_folders() const {
 void RecordWriter::State::remove_old() const {
   std::error_code error;
   for (const auto* name : {"record.h5", "record.xdmf", "manifest.json", "checkpoint.h5"})
-    for (const auto* ending : {"", ".part"}) fs::remove(folder / (std::string(name) + ending), error);
+    for (const auto* ending : {"", ".part"})
+      fs::remove(folder / (std::string(name) + ending), error);
   for (const auto& file : own_files(folder / "fields", ".h5")) fs::remove(file, error);
   for (const auto& file : own_files(folder / "probes", ".csv")) fs::remove(file, error);
 }
@@ -96,9 +90,11 @@ void RecordWriter::State::remove_beyond(double time) {
                     data.values.begin() + static_cast<std::ptrdiff_t>((row + 1) * columns));
     data.values = std::move(kept);
   }
-  for (auto& [name, by_time] : content.tables) by_time.erase(by_time.upper_bound(time), by_time.end());
+  for (auto& [name, by_time] : content.tables)
+    by_time.erase(by_time.upper_bound(time), by_time.end());
   std::erase_if(content.tables, [](const auto& entry) { return entry.second.empty(); });
   std::erase_if(content.snapshots, [&](const Snapshot& snapshot) { return snapshot.time > time; });
+  content.reached = time;
 }
 
 void RecordWriter::State::add_snapshot(double time, const SnapshotData& data) {
@@ -110,8 +106,11 @@ void RecordWriter::State::add_snapshot(double time, const SnapshotData& data) {
     *same = write_snapshot(folder, same->index, time, data);
     return;
   }
+  if (!snapshots.empty() && time < snapshots.back().time)
+    throw std::logic_error("snapshot at " + shortest(time) + " s: before the last one");
   const int index = snapshots.empty() ? 0 : snapshots.back().index + 1;
   snapshots.push_back(write_snapshot(folder, index, time, data));
+  reach(time);
 }
 
 void RecordWriter::State::flush() {
@@ -134,8 +133,8 @@ RecordWriter::RecordWriter(fs::path folder, Manifest manifest, bool overwrite)
   const auto& place = state_->folder;
   const bool occupied = fs::exists(place / "record.h5") || fs::exists(place / "manifest.json");
   if (occupied && !overwrite)
-    throw std::runtime_error(place.string() +
-                             ": holds a record already; name another folder with --out, or remove it");
+    throw std::runtime_error(
+        place.string() + ": holds a record already; name another folder with --out, or remove it");
   state_->make_folders();
   if (overwrite) state_->remove_old();
   state_->flush();
@@ -149,10 +148,15 @@ RecordWriter RecordWriter::resume(fs::path folder, Manifest manifest, double tim
   const auto manifest_file = state->folder / "manifest.json";
   continue_manifest(state->manifest, read_text_file(manifest_file), manifest_file.string(), time);
   state->content = read_record_file(state->folder, true);
+  if (time > state->content.reached)
+    throw std::runtime_error((state->folder / "record.h5").string() + ": reaches " +
+                             shortest(state->content.reached) +
+                             " s and cannot go on from the checkpoint at " + shortest(time) +
+                             " s: rows would be missing; start the run anew");
   state->remove_beyond(time);
 
-  // First the record without the rows beyond, then the files that it no longer names: a stop between
-  // the two leaves files too many, never a link to nothing.
+  // First the record without the rows beyond, then the files that it no longer names: a stop
+  // between the two leaves files too many, never a link to nothing.
   std::set<fs::path> wanted;
   for (const auto& [name, data] : state->content.series) {
     state->changed_series.insert(name);
@@ -189,7 +193,8 @@ RecordWriter::~RecordWriter() {
 
 void RecordWriter::declare_series(const std::string& name, std::vector<Column> columns) {
   require_name(name, "series");
-  if (columns.empty() || columns.front().name != "time" || columns.front().unit != "s")
+  require_columns(columns, "series " + name);
+  if (columns.front().name != "time" || columns.front().unit != "s")
     throw std::logic_error("series " + name + ": the first column must be time [s]");
   const auto at = state_->content.series.find(name);
   if (at != state_->content.series.end() && !same_columns(at->second.columns, columns))
@@ -208,12 +213,14 @@ void RecordWriter::append(const std::string& name, std::span<const double> row) 
     throw std::logic_error("series " + name + ": " + std::to_string(row.size()) + " values for " +
                            std::to_string(data.columns.size()) + " columns");
   for (std::size_t i = 0; i < row.size(); ++i)
-    require_finite(row.subspan(i, 1), "series " + name + ": " + data.columns[i].name +
-                                          (i > 0 ? " at " + shortest(row[0]) + " s" : ""));
+    if (!std::isfinite(row[i]))
+      require_finite(row.subspan(i, 1), "series " + name + ": " + data.columns[i].name +
+                                            (i > 0 ? " at " + shortest(row[0]) + " s" : ""));
   if (data.rows() > 0 && row[0] < data.values[data.values.size() - row.size()])
     throw std::logic_error("series " + name + ": the time " + shortest(row[0]) +
                            " s lies before the last row");
   data.values.insert(data.values.end(), row.begin(), row.end());
+  state_->reach(row[0]);
   state_->changed_series.insert(name);
 }
 
@@ -221,12 +228,17 @@ void RecordWriter::write_table(const std::string& name, double time,
                                const std::vector<Column>& columns, std::span<const double> rows) {
   require_name(name, "table");
   const std::string where = "table " + name + " at " + shortest(time) + " s";
-  if (columns.empty() || rows.size() % columns.size() != 0)
+  require_columns(columns, where);
+  if (rows.size() % columns.size() != 0)
     throw std::logic_error(where + ": the values do not fill whole rows");
   require_finite(std::span(&time, 1), "table " + name + ": the time");
   for (std::size_t i = 0; i < rows.size(); ++i)
-    require_finite(rows.subspan(i, 1), where + ": " + columns[i % columns.size()].name);
+    if (!std::isfinite(rows[i]))
+      require_finite(rows.subspan(i, 1), where + ": " + columns[i % columns.size()].name);
+  if (state_->content.series.contains(table_file("", name, time).stem().string()))
+    throw std::logic_error(where + ": a series has the name of its file");
   state_->content.tables[name][time] = SeriesData{columns, {rows.begin(), rows.end()}};
+  state_->reach(time);
   state_->changed_tables.emplace(name, time);
 }
 
@@ -236,7 +248,8 @@ void RecordWriter::write_points(double time, std::span<const double> positions,
 }
 
 void RecordWriter::write_mesh(double time, std::span<const double> positions, int nodes_per_cell,
-                              std::span<const std::int64_t> cells, const std::vector<Field>& fields) {
+                              std::span<const std::int64_t> cells,
+                              const std::vector<Field>& fields) {
   if (nodes_per_cell != 3 && nodes_per_cell != 4)
     throw std::logic_error("a mesh's cells have 3 or 4 nodes");
   state_->add_snapshot(time, {positions, nodes_per_cell, cells, &fields});
@@ -257,9 +270,13 @@ void RecordWriter::set_note(const std::string& name, const std::string& value) {
   state_->manifest.run.notes[name] = value;
 }
 
-void RecordWriter::flush() { state_->flush(); }
+void RecordWriter::flush() {
+  state_->flush();
+}
 
 void RecordWriter::checkpoint(double time, const Archive& archive) {
+  require_finite(std::span(&time, 1), "checkpoint: the time");
+  state_->reach(time);
   flush();
   Archive with_time = archive;
   with_time["time"] = std::vector<double>{time};
@@ -272,6 +289,8 @@ void RecordWriter::finish(const std::string& outcome) {
   state_->finished = true;
 }
 
-const fs::path& RecordWriter::folder() const { return state_->folder; }
+const fs::path& RecordWriter::folder() const {
+  return state_->folder;
+}
 
 }  // namespace sprung

@@ -1,7 +1,7 @@
 #include "scene/snapshot.hpp"
 
 #include "scene/hdf5_file.hpp"
-#include "scene/numbers.hpp"
+#include "scene/record_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -29,6 +29,7 @@ void check_shapes(const SnapshotData& data, double time) {
   require_finite(data.positions, where + "a position");
   std::set<std::string> names;
   for (const auto& field : *data.fields) {
+    require_name(field.name, "field");
     if (field.components < 1 ||
         field.values.size() != points * static_cast<std::size_t>(field.components))
       throw std::logic_error(where + field.name + " has " + std::to_string(field.values.size()) +
@@ -50,18 +51,23 @@ std::vector<double> padded(std::span<const double> plane) {
 
 const char* attribute_type(int components) {
   switch (components) {
-    case 1: return "Scalar";
-    case 3: return "Vector";
-    case 6: return "Tensor6";
-    case 9: return "Tensor";
-    default: return "Matrix";
+    case 1:
+      return "Scalar";
+    case 3:
+      return "Vector";
+    case 6:
+      return "Tensor6";
+    case 9:
+      return "Tensor";
+    default:
+      return "Matrix";
   }
 }
 
 std::string data_item(const std::string& number, const std::string& dimensions,
                       const std::string& place) {
-  return "<DataItem Format=\"HDF\" " + number + " Precision=\"8\" Dimensions=\"" + dimensions + "\">" +
-         place + "</DataItem>\n";
+  return "<DataItem Format=\"HDF\" " + number + " Precision=\"8\" Dimensions=\"" + dimensions +
+         "\">" + place + "</DataItem>\n";
 }
 
 std::string grid_text(const Snapshot& snapshot) {
@@ -73,12 +79,13 @@ std::string grid_text(const Snapshot& snapshot) {
   if (snapshot.nodes_per_cell == 0) {
     text += "        <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" + points +
             "\" NodesPerElement=\"1\">\n          " +
-            data_item("NumberType=\"Int\"", points + " 1", file + "cells") + "        </Topology>\n";
+            data_item("NumberType=\"Int\"", points + " 1", file + "cells") +
+            "        </Topology>\n";
   } else {
     const std::string cells = std::to_string(snapshot.cells);
     text += std::string("        <Topology TopologyType=\"") +
-            (snapshot.nodes_per_cell == 3 ? "Triangle" : "Quadrilateral") + "\" NumberOfElements=\"" +
-            cells + "\">\n          " +
+            (snapshot.nodes_per_cell == 3 ? "Triangle" : "Quadrilateral") +
+            "\" NumberOfElements=\"" + cells + "\">\n          " +
             data_item("NumberType=\"Int\"", cells + " " + std::to_string(snapshot.nodes_per_cell),
                       file + "cells") +
             "        </Topology>\n";
@@ -86,12 +93,13 @@ std::string grid_text(const Snapshot& snapshot) {
   text += "        <Geometry GeometryType=\"XYZ\">\n          " +
           data_item(real, points + " 3", file + "positions") + "        </Geometry>\n";
   for (const auto& field : snapshot.fields)
-    text += "        <Attribute Name=\"" + field.name + "\" AttributeType=\"" +
-            attribute_type(field.components) + "\" Center=\"Node\">\n          " +
-            data_item(real,
-                      field.components == 1 ? points : points + " " + std::to_string(field.components),
-                      file + "fields/" + field.name) +
-            "        </Attribute>\n";
+    text +=
+        "        <Attribute Name=\"" + field.name + "\" AttributeType=\"" +
+        attribute_type(field.components) + "\" Center=\"Node\">\n          " +
+        data_item(real,
+                  field.components == 1 ? points : points + " " + std::to_string(field.components),
+                  file + "fields/" + field.name) +
+        "        </Attribute>\n";
   return text + "      </Grid>\n";
 }
 
@@ -156,7 +164,7 @@ Snapshot read_snapshot(const std::filesystem::path& folder, int index) {
 
 std::string xdmf_text(const std::vector<Snapshot>& snapshots) {
   std::string text =
-      "<?xml version=\"1.0\"?>\n<!DOCTYPE Xdmf SYSTEM \"Xdmf.dtd\" []>\n<Xdmf Version=\"2.0\">\n"
+      "<?xml version=\"1.0\"?>\n<!DOCTYPE Xdmf SYSTEM \"Xdmf.dtd\" []>\n<Xdmf Version=\"3.0\">\n"
       "  <Domain>\n    <Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
   for (const auto& snapshot : snapshots) text += grid_text(snapshot);
   return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";

@@ -34,15 +34,16 @@ struct SnapshotData {
 /// "fields/000012.h5"
 std::string snapshot_file(int index);
 
-/// Checks sizes and numbers, then writes the file into `folder`. Throws std::runtime_error for NaN or
-/// infinity, std::logic_error for sizes that do not fit.
+/// Checks sizes and numbers, then writes the file into `folder`. Throws std::runtime_error for NaN
+/// or infinity, std::logic_error for sizes that do not fit.
 Snapshot write_snapshot(const std::filesystem::path& folder, int index, double time,
                         const SnapshotData& data);
 
 /// Reads the shapes back. Throws std::runtime_error if the file is missing or damaged.
 Snapshot read_snapshot(const std::filesystem::path& folder, int index);
 
-/// The temporal collection of all snapshots, as XDMF text with paths relative to the record's folder.
+/// The temporal collection of all snapshots, as XDMF text with paths relative to the record's
+/// folder.
 std::string xdmf_text(const std::vector<Snapshot>& snapshots);
 
 }  // namespace sprung

@@ -1,5 +1,6 @@
 #pragma once
-/// Numbers as text in files, and the refusal of those that are none. Private to the library.
+/// Numbers and names as a record's files hold them, and the refusal of those they must not hold.
+/// Private to the library.
 
 #include "scene/record.hpp"
 
@@ -13,6 +14,13 @@ std::string shortest(double value);
 
 /// Throws std::runtime_error that begins with `what` if a value is NaN or infinite.
 void require_finite(std::span<const double> values, const std::string& what);
+
+/// Throws std::logic_error unless `name` consists of letters, digits and _: names become names of
+/// files, HDF5 paths and XML. `what` says what it names.
+void require_name(const std::string& name, const std::string& what);
+
+/// The same for columns, whose units may hold no comma, quote or line end either.
+void require_columns(const std::vector<Column>& columns, const std::string& what);
 
 /// "time [s],displacement_x [m]" and a line per row, 17 significant digits each.
 std::string csv_text(const SeriesData& data);
