@@ -20,7 +20,6 @@ struct Deviation {
   double stops_at = 3.0;          ///< s
   double youngs_modulus = 0.7e6;  ///< Pa, as the manifest's scene has it
   std::string outcome = "finished";
-  double processor_seconds = 50.0;
 };
 
 /// Displacement (m) of the reference's tip along x: a ramp to 40 mm within 1 s and a ringing mode
