@@ -1,0 +1,226 @@
+#include "sph/boundary/open_sides.hpp"
+
+#include "sph/neighbours.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace sprung::sph {
+
+namespace {
+
+template <int dim>
+Vector<dim> corner(const Point& point) {
+  Vector<dim> x;
+  for (int d = 0; d < dim; ++d) x[d] = point[d];
+  return x;
+}
+
+/// Calls `place(x)` for every lattice site of `columns` columns outside the plane.
+template <int dim, typename Place>
+void for_each_site(const OpenPlane<dim>& plane, const Vector<dim>& low, const Vector<dim>& high,
+                   double spacing, int columns, Place&& place) {
+  std::array<int, dim> count;
+  for (int d = 0; d < dim; ++d)
+    count[d] = d == plane.axis ? columns
+                               : static_cast<int>(std::lround((high[d] - low[d]) / spacing));
+  std::array<int, dim> at{};
+  while (true) {
+    Vector<dim> x;
+    for (int d = 0; d < dim; ++d)
+      x[d] = d == plane.axis ? plane.place + plane.outward * (at[d] + 0.5) * spacing
+                             : low[d] + (at[d] + 0.5) * spacing;
+    place(x);
+    int d = 0;
+    while (d < dim && ++at[d] == count[d]) at[d++] = 0;
+    if (d == dim) return;
+  }
+}
+
+}  // namespace
+
+template <int dim>
+OpenPlane<dim> open_plane(const Box& channel, Side side) {
+  switch (side) {
+    case Side::left: return {0, -1, channel.from[0]};
+    case Side::right: return {0, 1, channel.to[0]};
+    case Side::bottom: return {1, -1, channel.from[1]};
+    case Side::top: return {1, 1, channel.to[1]};
+    case Side::back: return {2, -1, channel.from[2]};
+    case Side::front: return {2, 1, channel.to[2]};
+  }
+  throw std::logic_error("open_plane: unknown side");
+}
+
+template <int dim>
+InflowSide<dim>::InflowSide(const Inflow& inflow, const Box& channel, double spacing, double reach)
+    : inflow_(inflow),
+      plane_(open_plane<dim>(channel, inflow.side)),
+      low_(corner<dim>(channel.from)),
+      high_(corner<dim>(channel.to)),
+      spacing_(spacing),
+      columns_(static_cast<int>(std::ceil(reach / spacing - 1e-9))) {}
+
+template <int dim>
+Vector<dim> InflowSide<dim>::velocity_at(const Vector<dim>& x, double time) const {
+  const int across = plane_.axis == 0 ? 1 : 0;
+  const double speed =
+      inflow_.speed(x[across] - low_[across], high_[across] - low_[across], time);
+  Vector<dim> u = Vector<dim>::Zero();
+  u[plane_.axis] = -plane_.outward * speed;
+  return u;
+}
+
+template <int dim>
+void InflowSide<dim>::fill(Particles<dim>& particles) const {
+  for_each_site<dim>(plane_, low_, high_, spacing_, columns_, [&](const Vector<dim>& x) {
+    particles.add(x, velocity_at(x, 0.0), 0.0, Role::inflow);
+  });
+}
+
+template <int dim>
+void InflowSide<dim>::prescribe(std::span<const Role> role, std::span<const Vector<dim>> position,
+                                std::span<Vector<dim>> velocity, double time) const {
+  for (std::size_t i = 0; i < role.size(); ++i)
+    if (role[i] == Role::inflow) velocity[i] = velocity_at(position[i], time);
+}
+
+template <int dim>
+void InflowSide<dim>::exchange(Particles<dim>& particles, double time, ParticleBooks& books) const {
+  const std::size_t n = particles.size();
+  for (std::size_t i = particles.unknowns; i < n; ++i) {
+    if (particles.role[i] != Role::inflow || plane_.depth(particles.position[i]) > 0.0) continue;
+    particles.role[i] = Role::fluid;
+    ++books.entered;
+    Vector<dim> x = particles.position[i];
+    x[plane_.axis] += plane_.outward * columns_ * spacing_;
+    particles.add(x, velocity_at(x, time), 0.0, Role::inflow);
+  }
+}
+
+template <int dim>
+double InflowSide<dim>::flux(double time) const {
+  constexpr int points = 2000;
+  const int across = plane_.axis == 0 ? 1 : 0;
+  const double height = high_[across] - low_[across];
+  double sum = 0.0;
+  for (int k = 0; k < points; ++k)
+    sum += inflow_.speed((k + 0.5) / points * height, height, time) * height / points;
+  return dim == 3 ? sum * (high_[2] - low_[2]) : sum;
+}
+
+template <int dim>
+OutflowSide<dim>::OutflowSide(const Outflow& outflow, const Box& channel, double spacing,
+                              double reach, double density)
+    : plane_(open_plane<dim>(channel, outflow.side)),
+      low_(corner<dim>(channel.from)),
+      high_(corner<dim>(channel.to)),
+      spacing_(spacing),
+      columns_(static_cast<int>(std::ceil(reach / spacing - 1e-9))),
+      pseudo_pressure_(-outflow.pressure / density) {}
+
+template <int dim>
+void OutflowSide<dim>::fill(Particles<dim>& particles) const {
+  for_each_site<dim>(plane_, low_, high_, spacing_, columns_, [&](const Vector<dim>& x) {
+    particles.add(x, Vector<dim>::Zero(), pseudo_pressure_, Role::outflow);
+  });
+}
+
+template <int dim>
+void OutflowSide<dim>::exchange(Particles<dim>& particles, ParticleBooks& books) const {
+  for (std::size_t i = particles.solids; i < particles.size(); ++i) {
+    const bool outside = plane_.depth(particles.position[i]) > 0.0;
+    if (particles.role[i] == Role::fluid && outside) {
+      particles.role[i] = Role::outflow;
+      ++books.left;
+    } else if (particles.role[i] == Role::outflow && !outside) {
+      particles.role[i] = Role::fluid;
+      ++books.returned;
+    }
+    if (particles.role[i] == Role::outflow) particles.pseudo_pressure[i] = pseudo_pressure_;
+  }
+}
+
+namespace {
+
+/// Kernel averages of the fluid's velocity at `places`, from particles within `reach` of the plane.
+template <int dim>
+std::vector<Vector<dim>> averages_near_plane(const Particles<dim>& particles,
+                                             const OpenPlane<dim>& plane, double reach,
+                                             const std::vector<Vector<dim>>& places,
+                                             const Kernel<dim>& kernel) {
+  std::vector<Vector<dim>> points = places;
+  std::vector<std::int32_t> source;
+  for (std::size_t i = 0; i < particles.unknowns; ++i)
+    if (plane.depth(particles.position[i]) > -reach) {
+      points.push_back(particles.position[i]);
+      source.push_back(static_cast<std::int32_t>(i));
+    }
+  Support<dim> support;
+  support.build(kernel, points, places.size(), particles.volume);
+  std::vector<Vector<dim>> average(places.size(), Vector<dim>::Zero());
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    double weight = 0.0;
+    for (const std::int32_t j : support.of(p).index) {
+      if (static_cast<std::size_t>(j) < places.size()) continue;
+      const double w = kernel.value((points[p] - points[j]).norm());
+      weight += w;
+      average[p] += w * particles.velocity[source[j - places.size()]];
+    }
+    if (weight > 0.0) average[p] /= weight;
+  }
+  return average;
+}
+
+}  // namespace
+
+template <int dim>
+void OutflowSide<dim>::copy_velocity(Particles<dim>& particles, const Kernel<dim>& kernel) const {
+  std::vector<Vector<dim>> mirrored;
+  std::vector<std::size_t> target;
+  for (std::size_t i = particles.unknowns; i < particles.size(); ++i)
+    if (particles.role[i] == Role::outflow) {
+      Vector<dim> x = particles.position[i];
+      x[plane_.axis] = 2.0 * plane_.place - x[plane_.axis];
+      mirrored.push_back(x);
+      target.push_back(i);
+    }
+  if (target.empty()) return;
+  const double reach = depth() + spacing_ + kernel.support_radius();
+  const auto velocity = averages_near_plane(particles, plane_, reach, mirrored, kernel);
+  for (std::size_t k = 0; k < target.size(); ++k) particles.velocity[target[k]] = velocity[k];
+}
+
+template <int dim>
+void sort_by_role(Particles<dim>& particles, const std::vector<bool>& dropped, double cell) {
+  const std::size_t n = particles.size();
+  std::vector<std::int32_t> order, fluid, prescribed;
+  order.reserve(n);
+  fluid.reserve(n);
+  for (std::size_t i = 0; i < particles.solids; ++i) order.push_back(static_cast<std::int32_t>(i));
+  std::vector<std::int32_t> scan;
+  if (cell > 0.0) {
+    scan = Support<dim>::cell_order(particles.position, particles.solids, n, cell);
+  } else {
+    for (std::size_t i = particles.solids; i < n; ++i) scan.push_back(static_cast<std::int32_t>(i));
+  }
+  for (const std::int32_t i : scan) {
+    if (dropped[i]) continue;
+    (particles.role[i] == Role::fluid ? fluid : prescribed).push_back(i);
+  }
+  order.insert(order.end(), fluid.begin(), fluid.end());
+  order.insert(order.end(), prescribed.begin(), prescribed.end());
+  particles.rearrange(order);
+  particles.unknowns = particles.solids + fluid.size();
+}
+
+template class InflowSide<2>;
+template class InflowSide<3>;
+template class OutflowSide<2>;
+template class OutflowSide<3>;
+template OpenPlane<2> open_plane<2>(const Box&, Side);
+template OpenPlane<3> open_plane<3>(const Box&, Side);
+template void sort_by_role<2>(Particles<2>&, const std::vector<bool>&, double);
+template void sort_by_role<3>(Particles<3>&, const std::vector<bool>&, double);
+
+}  // namespace sprung::sph

@@ -1,0 +1,85 @@
+#pragma once
+/// Inflow and outflow: columns of prescribed particles outside a side of the channel box.
+
+#include "scene/problem.hpp"
+#include "sph/particles.hpp"
+
+namespace sprung::sph {
+
+/// Why particles were created and removed.
+struct ParticleBooks {
+  std::int64_t entered = 0;      ///< became fluid at an inflow side
+  std::int64_t left = 0;         ///< became part of an outflow column
+  std::int64_t returned = 0;     ///< came back from an outflow column
+  std::int64_t upstream = 0;     ///< fluid that crossed an inflow side outwards, removed
+  std::int64_t lost = 0;         ///< fluid found outside a wall, removed
+};
+
+/// One side of the box seen from inside: `depth` is the distance beyond the side.
+template <int dim>
+struct OpenPlane {
+  int axis = 0;
+  int outward = -1;
+  double place = 0.0;
+  double depth(const Vector<dim>& x) const { return outward * (x[axis] - place); }
+};
+
+template <int dim>
+OpenPlane<dim> open_plane(const Box& channel, Side side);
+
+/// Columns of particles that move with the prescribed velocity; one that crosses the side becomes fluid
+/// and a new one enters the outermost column in its row.
+template <int dim>
+class InflowSide {
+ public:
+  InflowSide(const Inflow& inflow, const Box& channel, double spacing, double reach);
+  void fill(Particles<dim>& particles) const;
+  /// Prescribes u(t) on the columns.
+  void prescribe(std::span<const Role> role, std::span<const Vector<dim>> position,
+                 std::span<Vector<dim>> velocity, double time) const;
+  /// After the motion: roles change, particles are created. Order is restored by sort_by_role.
+  void exchange(Particles<dim>& particles, double time, ParticleBooks& books) const;
+  Vector<dim> velocity_at(const Vector<dim>& x, double time) const;
+  /// Whether a fluid particle has drifted out against the inflow.
+  bool upstream(const Vector<dim>& x) const { return plane_.depth(x) > 0.0; }
+  /// Volume flux into the domain, m2/s (m3/s in space), at time t.
+  double flux(double time) const;
+
+ private:
+  Inflow inflow_;
+  OpenPlane<dim> plane_;
+  Vector<dim> low_, high_;
+  double spacing_;
+  int columns_;
+};
+
+/// Columns at the prescribed pressure. A particle that crosses the side joins them; past the outermost it
+/// is removed. Their velocity is that of the interior, mirrored in the side, so that du/dn = 0 there.
+template <int dim>
+class OutflowSide {
+ public:
+  OutflowSide(const Outflow& outflow, const Box& channel, double spacing, double reach,
+              double density);
+  void fill(Particles<dim>& particles) const;
+  void exchange(Particles<dim>& particles, ParticleBooks& books) const;
+  /// Gives the columns the velocity of the interior at the mirrored place (kernel average).
+  void copy_velocity(Particles<dim>& particles, const Kernel<dim>& kernel) const;
+  double depth() const { return columns_ * spacing_; }
+  /// Whether a particle has passed the outermost column.
+  bool beyond(const Vector<dim>& x) const { return plane_.depth(x) > depth(); }
+  const OpenPlane<dim>& plane() const { return plane_; }
+
+ private:
+  OpenPlane<dim> plane_;
+  Vector<dim> low_, high_;
+  double spacing_;
+  int columns_;
+  double pseudo_pressure_;
+};
+
+/// Puts particles in the order that Particles states and drops those marked. `cell` > 0 also sorts the fluid
+/// by search cell.
+template <int dim>
+void sort_by_role(Particles<dim>& particles, const std::vector<bool>& dropped, double cell);
+
+}  // namespace sprung::sph

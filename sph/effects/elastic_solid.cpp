@@ -1,0 +1,212 @@
+#include "sph/effects/elastic_solid.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace sprung::sph {
+
+namespace {
+
+template <int dim>
+using Block = Eigen::Matrix<double, dim, dim>;
+
+template <int dim>
+std::span<const Vector<dim>> solid_positions(const ElasticNetwork<dim>& network,
+                                             const std::vector<Vector<dim>>& position) {
+  return {position.data(), network.movable};
+}
+
+}  // namespace
+
+/// K x at rest by central difference of the forces would lose digits; bonds and cells are linear enough
+/// to write it out.
+template <int dim>
+double highest_frequency(const ElasticNetwork<dim>& network, double mass) {
+  const std::size_t n = network.movable;
+  std::vector<Vector<dim>> x(n), y(n);
+  // A start that holds every mode: fixed, uneven numbers.
+  for (std::size_t i = 0; i < n; ++i)
+    for (int d = 0; d < dim; ++d) x[i][d] = std::sin(1.0 + 12.9898 * double(i * dim + d));
+  double eigenvalue = 0.0;
+  for (int sweep = 0; sweep < 300; ++sweep) {
+    y.assign(n, Vector<dim>::Zero());
+    const auto value = [&](std::int32_t node) -> Vector<dim> {
+      return static_cast<std::size_t>(node) < n ? x[node] : Vector<dim>::Zero();
+    };
+    for (const Bond& bond : network.bonds) {
+      const Vector<dim> e = (network.reference[bond.a] - network.reference[bond.b]).normalized();
+      const Vector<dim> f = bond.stiffness * e.dot(value(bond.a) - value(bond.b)) * e;
+      if (static_cast<std::size_t>(bond.a) < n) y[bond.a] += f;
+      if (static_cast<std::size_t>(bond.b) < n) y[bond.b] -= f;
+    }
+    if constexpr (dim == 2)
+      for (const AreaCell& cell : network.cells) {
+        std::array<Vector<2>, 4> corner, gradient;
+        for (int c = 0; c < 4; ++c) corner[c] = network.reference[cell.corner[c]];
+        quadrilateral_area(corner, gradient);
+        double change = 0.0;
+        for (int c = 0; c < 4; ++c) change += gradient[c].dot(value(cell.corner[c]));
+        for (int c = 0; c < 4; ++c)
+          if (static_cast<std::size_t>(cell.corner[c]) < n)
+            y[cell.corner[c]] += cell.modulus / cell.rest_area * change * gradient[c];
+      }
+    double norm2 = 0.0;
+    for (const auto& v : y) norm2 += v.squaredNorm();
+    eigenvalue = std::sqrt(norm2);
+    for (std::size_t i = 0; i < n; ++i) x[i] = y[i] / eigenvalue;
+  }
+  return std::sqrt(eigenvalue / mass);
+}
+
+template <int dim>
+ElasticSolid<dim>::ElasticSolid(ElasticNetwork<dim> network, const Particles<dim>& particles,
+                                SpringIntegration integration)
+    : network_(std::move(network)),
+      mass_(particles.mass()),
+      integration_(integration),
+      highest_frequency_(highest_frequency(network_, mass_)),
+      spring_acceleration_(network_.movable, Vector<dim>::Zero()),
+      previous_velocity_(network_.movable, Vector<dim>::Zero()) {}
+
+template <int dim>
+void ElasticSolid<dim>::add_acceleration(const State<dim>& state,
+                                         std::vector<Vector<dim>>& acceleration) {
+  if (integration_ == SpringIntegration::implicit_force) {
+    implicit_acceleration(state);
+  } else {
+    elastic_forces(network_, solid_positions(network_, state.particles.position), force_);
+    for (std::size_t i = 0; i < network_.movable; ++i) spring_acceleration_[i] = force_[i] / mass_;
+  }
+  for (std::size_t i = 0; i < network_.movable; ++i) acceleration[i] += spring_acceleration_[i];
+}
+
+template <int dim>
+void ElasticSolid<dim>::assemble_tangent(std::span<const Vector<dim>> position) {
+  const std::size_t n = network_.movable;
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(network_.bonds.size() * 3 * dim * dim + network_.cells.size() * 64);
+  const auto place = [&](std::int32_t node) -> const Vector<dim>& {
+    return static_cast<std::size_t>(node) < n ? position[node] : network_.reference[node];
+  };
+  const auto add = [&](std::int32_t row, std::int32_t column, const Block<dim>& block) {
+    if (static_cast<std::size_t>(std::max(row, column)) >= n || row < column) return;
+    for (int a = 0; a < dim; ++a)
+      for (int b = 0; b < dim; ++b)
+        if (row > column || a >= b)
+          entries.emplace_back(row * dim + a, column * dim + b, block(a, b));
+  };
+  for (const Bond& bond : network_.bonds) {
+    const Vector<dim> r = place(bond.a) - place(bond.b);
+    const double length = r.norm();
+    const Vector<dim> e = r / length;
+    // The transverse part of a shortened bond is negative; without it K stays positive definite, and F,
+    // which decides the motion, is exact.
+    const double transverse = std::max(0.0, 1.0 - bond.rest_length / length);
+    const Block<dim> k = bond.stiffness * ((1.0 - transverse) * e * e.transpose() +
+                                           transverse * Block<dim>::Identity());
+    add(bond.a, bond.a, k);
+    add(bond.b, bond.b, k);
+    add(bond.a, bond.b, -k);
+    add(bond.b, bond.a, -k);
+  }
+  if constexpr (dim == 2)
+    for (const AreaCell& cell : network_.cells) {
+      std::array<Vector<2>, 4> corner, gradient;
+      for (int c = 0; c < 4; ++c) corner[c] = place(cell.corner[c]);
+      quadrilateral_area(corner, gradient);
+      for (int a = 0; a < 4; ++a)
+        for (int b = 0; b < 4; ++b)
+          add(cell.corner[a], cell.corner[b],
+              cell.modulus / cell.rest_area * gradient[a] * gradient[b].transpose());
+    }
+  tangent_.resize(n * dim, n * dim);
+  tangent_.setFromTriplets(entries.begin(), entries.end());
+}
+
+template <int dim>
+void ElasticSolid<dim>::implicit_acceleration(const State<dim>& state) {
+  const auto& particles = state.particles;
+  const std::size_t n = network_.movable;
+  const auto position = solid_positions(network_, particles.position);
+  elastic_forces(network_, position, force_);
+  assemble_tangent(position);
+  const Clock& clock = state.clock;
+  const double weight = 0.5 * clock.time_step * clock.time_step;
+  Eigen::VectorXd other(n * dim), right(n * dim);
+  for (std::size_t i = 0; i < n; ++i) {
+    Vector<dim> a_e = Vector<dim>::Zero();
+    if (clock.previous_time_step > 0.0)
+      a_e = (particles.velocity[i] - previous_velocity_[i]) / clock.previous_time_step -
+            spring_acceleration_[i];
+    other.template segment<dim>(i * dim) = a_e;
+    right.template segment<dim>(i * dim) = force_[i];
+    previous_velocity_[i] = particles.velocity[i];
+  }
+  const Eigen::VectorXd stiff = tangent_.template selfadjointView<Eigen::Lower>() * other;
+  right -= weight * stiff;
+  system_ = weight * tangent_;
+  for (std::size_t i = 0; i < n * dim; ++i) system_.coeffRef(i, i) += mass_;
+  if (!analysed_) {
+    factor_.analyzePattern(system_);
+    analysed_ = true;
+  }
+  factor_.factorize(system_);
+  if (factor_.info() != Eigen::Success)
+    throw std::runtime_error("the implicit spring system cannot be factorised: a spring has collapsed "
+                             "or a position is not a number");
+  const Eigen::VectorXd a = factor_.solve(right);
+  for (std::size_t i = 0; i < n; ++i) spring_acceleration_[i] = a.template segment<dim>(i * dim);
+}
+
+template <int dim>
+double ElasticSolid<dim>::largest_time_step(const State<dim>&) const {
+  if (integration_ == SpringIntegration::implicit_force)
+    return std::numeric_limits<double>::infinity();
+  return 0.8 * 2.0 / highest_frequency_;
+}
+
+template <int dim>
+double ElasticSolid<dim>::energy(const Particles<dim>& particles) const {
+  return elastic_energy(network_, solid_positions(network_, particles.position));
+}
+
+namespace {
+
+template <int dim>
+std::vector<double> flattened(const std::vector<Vector<dim>>& values) {
+  std::vector<double> flat;
+  flat.reserve(values.size() * dim);
+  for (const auto& v : values)
+    for (int d = 0; d < dim; ++d) flat.push_back(v[d]);
+  return flat;
+}
+
+template <int dim>
+void unflatten(const Array& array, std::vector<Vector<dim>>& values) {
+  const auto& flat = std::get<std::vector<double>>(array);
+  values.resize(flat.size() / dim);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    for (int d = 0; d < dim; ++d) values[i][d] = flat[i * dim + d];
+}
+
+}  // namespace
+
+template <int dim>
+void ElasticSolid<dim>::save(Archive& archive) const {
+  archive["solid/reference"] = flattened<dim>(network_.reference);
+  archive["solid/spring_acceleration"] = flattened<dim>(spring_acceleration_);
+  archive["solid/previous_velocity"] = flattened<dim>(previous_velocity_);
+}
+
+template <int dim>
+void ElasticSolid<dim>::restore(const Archive& archive) {
+  unflatten<dim>(archive.at("solid/spring_acceleration"), spring_acceleration_);
+  unflatten<dim>(archive.at("solid/previous_velocity"), previous_velocity_);
+}
+
+template class ElasticSolid<2>;
+template class ElasticSolid<3>;
+template double highest_frequency<2>(const ElasticNetwork<2>&, double);
+template double highest_frequency<3>(const ElasticNetwork<3>&, double);
+
+}  // namespace sprung::sph

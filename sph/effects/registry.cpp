@@ -1,0 +1,72 @@
+#include "sph/effects/registry.hpp"
+
+#include "sph/effects/shifting.hpp"
+#include "sph/effects/viscosity.hpp"
+
+#include <fmt/format.h>
+
+namespace sprung::sph {
+
+namespace {
+
+template <int dim>
+void add_viscosity(ParticleScene<dim>& scene, const ModulusTable&) {
+  if (!scene.problem.viscosity) return;
+  auto& simulation = *scene.simulation;
+  const double nu = scene.problem.viscosity->dynamic / scene.problem.density;
+  auto effect = std::make_unique<ViscosityEffect<dim>>(nu, simulation.state().particles);
+  simulation.effects().limits.push_back(effect.get());
+  simulation.effects().diffusion.push_back(std::move(effect));
+  scene.effects.push_back(fmt::format("viscosity: the scene has [viscosity], nu = {:.3g} m2/s", nu));
+}
+
+template <int dim>
+void add_springs(ParticleScene<dim>& scene, const ModulusTable& table) {
+  if (scene.problem.solids.empty()) return;
+  auto& simulation = *scene.simulation;
+  const auto& particles = simulation.state().particles;
+  const Numerics& numerics = simulation.numerics();
+  const double lambda =
+      table.modulus_per_stiffness(dim, numerics.bonds, numerics.area_stiffness);
+  auto network = network_at_rest(particles);
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const Solid& solid = scene.problem.solids[b];
+    const double k_e = solid.youngs_modulus / lambda;
+    append_body(network, particles, scene.bodies[b].first, scene.bodies[b].last, solid, numerics,
+                {k_e, network_shear_modulus<dim>(k_e, numerics.bonds)});
+    scene.effects.push_back(fmt::format(
+        "springs: [solid.{}], {} particles, E = {:.4g} Pa, lambda = {:.4f}, k_e = {:.4g} Pa", solid.name,
+        scene.bodies[b].last - scene.bodies[b].first, solid.youngs_modulus, lambda, k_e));
+  }
+  auto effect = std::make_unique<ElasticSolid<dim>>(std::move(network), particles,
+                                                    numerics.spring_integration);
+  scene.solid = effect.get();
+  simulation.effects().limits.push_back(effect.get());
+  simulation.effects().remembers.push_back(effect.get());
+  simulation.effects().body_forces.push_back(std::move(effect));
+}
+
+template <int dim>
+void add_shifting(ParticleScene<dim>& scene, const ModulusTable&) {
+  auto& simulation = *scene.simulation;
+  const Numerics& numerics = simulation.numerics();
+  if (numerics.shifting == Shifting::none) return;
+  simulation.effects().motion.push_back(
+      std::make_unique<XuShifting<dim>>(numerics.shifting_coefficient));
+  scene.effects.push_back(
+      fmt::format("shifting: numerics, Xu et al. 2009, C = {}", numerics.shifting_coefficient));
+}
+
+}  // namespace
+
+template <int dim>
+void add_effects(ParticleScene<dim>& scene, const ModulusTable& table) {
+  using Row = void (*)(ParticleScene<dim>&, const ModulusTable&);
+  constexpr Row rows[] = {add_viscosity<dim>, add_springs<dim>, add_shifting<dim>};
+  for (const Row add : rows) add(scene, table);
+}
+
+template void add_effects<2>(ParticleScene<2>&, const ModulusTable&);
+template void add_effects<3>(ParticleScene<3>&, const ModulusTable&);
+
+}  // namespace sprung::sph

@@ -1,0 +1,67 @@
+#pragma once
+/// What an effect may do. Each role is one function; an effect's class head shows which it plays. A
+/// virtual call wraps a sweep over the particles; it never stands inside one.
+
+#include "scene/record.hpp"
+#include "sph/boundary/images.hpp"
+#include "sph/neighbours.hpp"
+
+#include <limits>
+#include <string>
+
+namespace sprung::sph {
+
+struct Clock {
+  double time = 0.0;            ///< s
+  double time_step = 0.0;       ///< of the step under way, s
+  double previous_time_step = 0.0;  ///< 0 before the first step
+  std::int64_t step = 0;
+};
+
+/// What an effect may look at.
+template <int dim>
+struct State {
+  Particles<dim> particles;
+  Images<dim> images;
+  Support<dim> support;
+  Kernel<dim> kernel;
+  Clock clock;
+};
+
+/// Adds to the acceleration (m/s2) of the particles that have an equation.
+template <int dim>
+class Acceleration {
+ public:
+  virtual ~Acceleration() = default;
+  virtual void add_acceleration(const State<dim>& state, std::vector<Vector<dim>>& acceleration) = 0;
+};
+
+/// Bounds the time step.
+template <int dim>
+class TimeStepLimit {
+ public:
+  virtual ~TimeStepLimit() = default;
+  /// Largest stable step in seconds, and in words what sets it.
+  virtual double largest_time_step(const State<dim>& state) const = 0;
+  virtual std::string limit_name() const = 0;
+};
+
+/// Moves particles beside their own velocity (shifting), or prescribes their motion.
+template <int dim>
+class Motion {
+ public:
+  virtual ~Motion() = default;
+  /// Called with old positions and new velocities, before the particles move. Adds to `displacement`
+  /// (m, one per particle with an equation) and may correct the velocity for the new place.
+  virtual void add_displacement(State<dim>& state, std::vector<Vector<dim>>& displacement) = 0;
+};
+
+/// Keeps what it needs over a stop: its arrays go into the checkpoint and come back from it.
+class Remembers {
+ public:
+  virtual ~Remembers() = default;
+  virtual void save(Archive& archive) const = 0;
+  virtual void restore(const Archive& archive) = 0;
+};
+
+}  // namespace sprung::sph

@@ -1,0 +1,47 @@
+#include "sph/effects/viscosity.hpp"
+
+namespace sprung::sph {
+
+template <int dim>
+ViscosityEffect<dim>::ViscosityEffect(double kinematic_viscosity, Particles<dim>& particles)
+    : nu_(kinematic_viscosity), previous_diffusion_(particles.size(), Vector<dim>::Zero()) {
+  particles.carried.push_back({"previous_diffusion", &previous_diffusion_});
+}
+
+template <int dim>
+void ViscosityEffect<dim>::add_acceleration(const State<dim>& state,
+                                            std::vector<Vector<dim>>& acceleration) {
+  const auto& particles = state.particles;
+  state.images.extend_for_viscosity(particles.velocity, extended_velocity_);
+  // Adams-Bashforth for a step that may differ from the one before; 3/2 and 1/2 for equal steps. The
+  // first step has no past and is taken forward in time.
+  const Clock& clock = state.clock;
+  const double ratio =
+      clock.previous_time_step > 0.0 ? clock.time_step / clock.previous_time_step : 0.0;
+  const double now = 1.0 + 0.5 * ratio, before = 0.5 * ratio;
+  // (x_i - x_j) . grad W / d^2 = F, so Eq. 2's D_i = -sum V 2 nu F (u_i - u_j); equal densities.
+  const double scale = -2.0 * nu_ * particles.volume;
+  const std::size_t n = particles.unknowns;
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto neighbours = state.support.of(i);
+    const Vector<dim> u_i = extended_velocity_[i];
+    Vector<dim> sum = Vector<dim>::Zero();
+    for (std::size_t k = 0; k < neighbours.index.size(); ++k)
+      sum += neighbours.gradient_factor[k] * (u_i - extended_velocity_[neighbours.index[k]]);
+    const Vector<dim> diffusion = scale * sum;
+    acceleration[i] -= now * diffusion - before * previous_diffusion_[i];
+    previous_diffusion_[i] = diffusion;
+  }
+}
+
+template <int dim>
+double ViscosityEffect<dim>::largest_time_step(const State<dim>& state) const {
+  const double h = state.kernel.smoothing_length();
+  return 0.125 * h * h / nu_;
+}
+
+template class ViscosityEffect<2>;
+template class ViscosityEffect<3>;
+
+}  // namespace sprung::sph

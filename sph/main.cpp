@@ -1,0 +1,98 @@
+/// sprung-sph: checks, explains and runs a scene with the particle method.
+
+#include "sph/run.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <omp.h>
+
+namespace {
+
+using namespace sprung;
+
+struct Arguments {
+  std::string scene;
+  std::vector<std::string> overrides;
+  std::string table = SPRUNG_MODULUS_TABLE;
+  std::string out;
+  int threads = 1;
+  bool resume = false;
+  bool overwrite = false;
+  double until = 0.0;
+};
+
+void add_scene_arguments(CLI::App& verb, Arguments& a) {
+  verb.add_option("scene", a.scene, "scene file (TOML)")->required();
+  verb.add_option("overrides", a.overrides, "table.key=value, checked like the file");
+  verb.add_option("--calibration", a.table, "table of lambda = E/k_e");
+}
+
+template <int dim>
+void explain(Document& document, const sph::ModulusTable& table) {
+  const auto scene = sph::set_up<dim>(document, table);
+  const auto& particles = scene.simulation->state().particles;
+  fmt::print("{}\n  {} particles with an equation ({} solid), {} prescribed\n", scene.problem.title,
+             particles.unknowns, particles.solids, particles.size() - particles.unknowns);
+  for (const auto& effect : scene.effects) fmt::print("  {}\n", effect);
+  const auto limit = scene.simulation->time_step_limit();
+  fmt::print("  time step {:.4g} s, set by {}: {:.0f} steps\n", limit.value, limit.limit,
+             std::ceil(scene.problem.end_time / limit.value));
+  for (const auto* other : scene.simulation->effects().limits)
+    fmt::print("    {}: {:.4g} s\n", other->limit_name(),
+               other->largest_time_step(scene.simulation->state()));
+  for (const auto& warning : scene.warnings) fmt::print("  warning: {}\n", warning);
+}
+
+int dispatch(const CLI::App& app, const Arguments& a) {
+  Document document(a.scene, a.overrides);
+  const sph::ModulusTable table(a.table);
+  const bool plane = read_problem(document).dimension == 2;
+  if (app.got_subcommand("check")) {
+    plane ? (void)sph::set_up<2>(document, table) : (void)sph::set_up<3>(document, table);
+    fmt::print("{}: sound\n", a.scene);
+    return 0;
+  }
+  if (app.got_subcommand("explain")) {
+    plane ? explain<2>(document, table) : explain<3>(document, table);
+    return 0;
+  }
+  omp_set_num_threads(a.threads);
+  const sph::RunOptions options{a.out, a.resume, a.overwrite, a.until};
+  const auto outcome = plane ? sph::run<2>(document, table, options) : sph::run<3>(document, table, options);
+  return outcome == sph::Outcome::stopped ? 3 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Particle method: incompressible SPH with springs (Monteleone et al.)\n\n"
+               "Examples:\n"
+               "  sprung-sph check beam.toml\n"
+               "  sprung-sph explain beam.toml sph.spacing=\"2.5 mm\"\n"
+               "  sprung-sph run beam.toml numerics.preset=paper --out results/paper\n"
+               "  sprung-sph run beam.toml --out results/beam --resume\n\n"
+               "Exit codes: 0 finished; 1 the scene or a file is not usable; 2 the command line is not "
+               "understood;\n3 the run left its sound range and stopped itself, its record whole up to there."};
+  app.require_subcommand(1);
+  Arguments a;
+  add_scene_arguments(*app.add_subcommand("check", "read the scene and say whether it can be run"), a);
+  add_scene_arguments(*app.add_subcommand("explain", "say what the scene calls for, and its time step"), a);
+  CLI::App& run = *app.add_subcommand("run", "run the scene and write its record");
+  add_scene_arguments(run, a);
+  run.add_option("--out", a.out, "folder of the record")->required();
+  run.add_option("--threads", a.threads, "threads; the bits do not depend on it")->check(CLI::Range(1, 256));
+  run.add_flag("--resume", a.resume, "continue from the last checkpoint, if there is one");
+  run.add_flag("--overwrite", a.overwrite, "replace a record that stands in --out");
+  run.add_option("--until", a.until, "pause at this time (s) and leave a checkpoint");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    return dispatch(app, a);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,83 @@
+#include "sph/numerics.hpp"
+
+#include <array>
+#include <utility>
+
+namespace sprung::sph {
+
+namespace {
+
+Numerics paper() {
+  return {.preset = "paper",
+          .smoothing_length_ratio = 1.0,
+          .normalised_gradient = false,
+          .position_update = PositionUpdate::mean_velocity,
+          .shifting = Shifting::xu,
+          .shifting_coefficient = 0.04,
+          .density_feedback = 0.0,
+          .pressure_tolerance = 1e-6,
+          .pressure_solver = PressureSolverKind::bicgstab,
+          .bonds = Bonds::equal,
+          .surface_correction = false,
+          .area_stiffness = 0.0,
+          .spring_integration = SpringIntegration::explicit_force,
+          .courant = 0.25};
+}
+
+Numerics recommended() {
+  return {.preset = "recommended",
+          .smoothing_length_ratio = 1.3,
+          .normalised_gradient = true,
+          .position_update = PositionUpdate::new_velocity,
+          .shifting = Shifting::xu,
+          .shifting_coefficient = 0.04,
+          .density_feedback = 0.5,
+          .pressure_tolerance = 1e-3,
+          .pressure_solver = PressureSolverKind::two_level,
+          .bonds = Bonds::isotropic,
+          .surface_correction = true,
+          .area_stiffness = 30.0,
+          .spring_integration = SpringIntegration::implicit_force,
+          .courant = 0.25};
+}
+
+/// Reads a choice written as a word; the words stand in the order of the enumeration.
+template <typename Choice>
+void choose(const Table& table, const std::string& key, const std::vector<std::string>& words,
+            Choice& value) {
+  const std::string word = table.word_or(key, words, words[static_cast<std::size_t>(value)]);
+  for (std::size_t k = 0; k < words.size(); ++k)
+    if (words[k] == word) value = static_cast<Choice>(k);
+}
+
+void read_positive(const Table& table, const std::string& key, double low, double high,
+                   double& value) {
+  value = table.number_or(key, value);
+  if (value < low || value > high)
+    table.refuse(key, "must lie between " + std::to_string(low) + " and " + std::to_string(high));
+}
+
+}  // namespace
+
+Numerics read_numerics(const Document& document) {
+  const Table table = document.table("numerics");
+  Numerics n = table.word_or("preset", {"recommended", "paper"}, "recommended") == "paper"
+                   ? paper()
+                   : recommended();
+  read_positive(table, "smoothing_length_ratio", 0.8, 2.0, n.smoothing_length_ratio);
+  n.normalised_gradient = table.flag_or("normalised_gradient", n.normalised_gradient);
+  choose(table, "position_update", {"mean_velocity", "new_velocity"}, n.position_update);
+  choose(table, "shifting", {"none", "xu"}, n.shifting);
+  read_positive(table, "shifting_coefficient", 0.0, 1.0, n.shifting_coefficient);
+  read_positive(table, "density_feedback", 0.0, 100.0, n.density_feedback);
+  read_positive(table, "pressure_tolerance", 1e-14, 0.5, n.pressure_tolerance);
+  choose(table, "pressure_solver", {"bicgstab", "two_level"}, n.pressure_solver);
+  choose(table, "bonds", {"equal", "isotropic"}, n.bonds);
+  n.surface_correction = table.flag_or("surface_correction", n.surface_correction);
+  read_positive(table, "area_stiffness", 0.0, 1e4, n.area_stiffness);
+  choose(table, "spring_integration", {"explicit", "implicit"}, n.spring_integration);
+  read_positive(table, "courant", 1e-4, 2.0, n.courant);
+  return n;
+}
+
+}  // namespace sprung::sph

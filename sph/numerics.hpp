@@ -1,0 +1,45 @@
+#pragma once
+/// Numerical choices, each with a price. `paper` is the scheme as printed; `recommended` is what
+/// measurement found to hold. Every choice can be named on its own in [numerics].
+
+#include "scene/document.hpp"
+
+#include <string>
+
+namespace sprung::sph {
+
+enum class PositionUpdate {
+  mean_velocity,  ///< ACTION 8 as printed: unstable for springs unless damped
+  new_velocity,   ///< symplectic
+};
+enum class SpringIntegration { explicit_force, implicit_force };
+enum class Bonds {
+  equal,      ///< every bond k_e dx: the paper's Eq. 5
+  isotropic,  ///< weights by shell so that the lattice is elastically isotropic
+};
+enum class Shifting { none, xu };
+enum class PressureSolverKind { bicgstab, two_level };
+
+struct Numerics {
+  std::string preset;
+  double smoothing_length_ratio = 0.0;  ///< h / spacing
+  bool normalised_gradient = false;     ///< divide the gradient by its lattice factor
+  PositionUpdate position_update{};
+  Shifting shifting{};
+  double shifting_coefficient = 0.0;    ///< C of Xu, Stansby & Laurence 2009
+  /// Rate (1/s per (m/s)/m) at which a wrong particle density is corrected: beta of method section 2 per
+  /// CFL time; the source of Eq. 3 gets rate (S0/S - 1) with rate = density_feedback u_ref / spacing.
+  double density_feedback = 0.0;
+  double pressure_tolerance = 0.0;
+  PressureSolverKind pressure_solver{};
+  Bonds bonds{};
+  bool surface_correction = false;      ///< bond weights as quadrature over the true body
+  double area_stiffness = 0.0;          ///< kappa: area springs of modulus kappa G; 0: none
+  SpringIntegration spring_integration{};
+  double courant = 0.0;                 ///< dt u_max / spacing
+};
+
+/// Reads [numerics]; keys that are absent take the preset's value, which is written into the record.
+Numerics read_numerics(const Document& document);
+
+}  // namespace sprung::sph

@@ -1,0 +1,193 @@
+#include "sph/scene_setup.hpp"
+
+#include "sph/effects/registry.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+
+namespace sprung::sph {
+
+ModulusTable::ModulusTable(std::filesystem::path file) : file_(std::move(file)) {
+  std::ifstream in(file_);
+  if (!in)
+    throw std::runtime_error(file_.string() +
+                             ": no calibration table; `sprung calibrate` makes it");
+  std::string line;
+  std::getline(in, line);  // header
+  for (int number = 2; std::getline(in, line); ++number) {
+    if (line.empty()) continue;
+    std::istringstream cells(line);
+    Row row;
+    char comma;
+    if (!(cells >> row.dimension >> comma) || !std::getline(cells, row.bonds, ',') ||
+        !(cells >> row.area_stiffness >> comma >> row.modulus_per_stiffness))
+      throw std::runtime_error(fmt::format("{}:{}: cannot read '{}'; `sprung calibrate` remakes it",
+                                           file_.string(), number, line));
+    rows_.push_back(row);
+  }
+}
+
+double ModulusTable::modulus_per_stiffness(int dimension, Bonds bonds, double area_stiffness) const {
+  const std::string name = bonds == Bonds::equal ? "equal" : "isotropic";
+  for (const Row& row : rows_)
+    if (row.dimension == dimension && row.bonds == name &&
+        std::abs(row.area_stiffness - area_stiffness) <= 1e-9 * (1.0 + area_stiffness))
+      return row.modulus_per_stiffness;
+  std::string have;
+  for (const Row& row : rows_)
+    have += fmt::format("\n  {}D, {} bonds, area stiffness {}", row.dimension, row.bonds,
+                        row.area_stiffness);
+  throw std::runtime_error(
+      fmt::format("{}: no calibration for {}D, {} bonds, area stiffness {}; there are:{}\n"
+                  "`sprung calibrate --area-stiffness {}` adds it",
+                  file_.string(), dimension, name, area_stiffness, have, area_stiffness));
+}
+
+namespace {
+
+template <int dim>
+Vector<dim> corner(const Point& point) {
+  Vector<dim> x;
+  for (int d = 0; d < dim; ++d) x[d] = point[d];
+  return x;
+}
+
+template <int dim>
+bool inside(const Box& box, const Vector<dim>& x) {
+  for (int d = 0; d < dim; ++d)
+    if (x[d] < box.from[d] || x[d] > box.to[d]) return false;
+  return true;
+}
+
+/// Particles at the centres of cubes of side `spacing` that fill the channel; solids first.
+template <int dim>
+Particles<dim> fill_lattice(const Problem& problem, double spacing, const Table& table,
+                            std::vector<BodyRange>& bodies) {
+  Particles<dim> particles;
+  particles.spacing = spacing;
+  particles.volume = std::pow(spacing, dim);
+  particles.density = problem.density;
+  std::array<long, dim> count;
+  double total = 1.0;
+  for (int d = 0; d < dim; ++d) {
+    const double extent = problem.channel.to[d] - problem.channel.from[d];
+    count[d] = std::lround(extent / spacing);
+    if (count[d] < 4 || std::abs(count[d] * spacing - extent) > 1e-6 * extent)
+      table.refuse("spacing",
+                   fmt::format("must divide the channel's side of {} m into at least 4 whole parts; "
+                               "nearest that does: {} mm",
+                               extent, 1e3 * extent / std::max(4L, count[d])));
+    total *= static_cast<double>(count[d]);
+  }
+  if (total > 5e7) table.refuse("spacing", fmt::format("would make {:.3g} particles", total));
+  std::vector<std::vector<Vector<dim>>> solid(problem.solids.size());
+  std::vector<Vector<dim>> fluid;
+  std::array<long, dim> at{};
+  for (bool more = true; more;) {
+    Vector<dim> x;
+    for (int d = 0; d < dim; ++d) x[d] = problem.channel.from[d] + (at[d] + 0.5) * spacing;
+    std::size_t body = 0;
+    while (body < solid.size() && !inside<dim>(problem.solids[body].body, x)) ++body;
+    (body < solid.size() ? solid[body] : fluid).push_back(x);
+    int d = 0;
+    while (d < dim && ++at[d] == count[d]) at[d++] = 0;
+    more = d < dim;
+  }
+  for (std::size_t b = 0; b < solid.size(); ++b) {
+    const std::size_t first = particles.size();
+    for (const auto& x : solid[b]) particles.add(x, Vector<dim>::Zero(), 0.0, Role::solid);
+    bodies.push_back({problem.solids[b].name, first, particles.size()});
+  }
+  particles.solids = particles.size();
+  for (const auto& x : fluid) particles.add(x, Vector<dim>::Zero(), 0.0, Role::fluid);
+  particles.unknowns = particles.size();
+  return particles;
+}
+
+/// A body must hold at least two particles across each side; fewer than four is worth a warning.
+template <int dim>
+void check_thickness(const Document& document, const Problem& problem, double spacing,
+                     const Particles<dim>& particles, const std::vector<BodyRange>& bodies,
+                     std::vector<std::string>& warnings) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const Table table = document.table("solid." + bodies[b].name);
+    if (bodies[b].first == bodies[b].last)
+      table.refuse("body", fmt::format("holds no particle at a spacing of {} mm; use a smaller one",
+                                       1e3 * spacing));
+    Vector<dim> low = particles.position[bodies[b].first], high = low;
+    for (std::size_t i = bodies[b].first; i < bodies[b].last; ++i) {
+      low = low.cwiseMin(particles.position[i]);
+      high = high.cwiseMax(particles.position[i]);
+    }
+    for (int d = 0; d < dim; ++d) {
+      const long layers = std::lround((high[d] - low[d]) / spacing) + 1;
+      const Solid& solid = problem.solids[b];
+      const double extent = solid.body.to[d] - solid.body.from[d];
+      if (layers < 2)
+        table.refuse("body",
+                     fmt::format("is one particle thick ({} mm at a spacing of {} mm), and one row of "
+                                 "springs does not resist bending; a spacing of {:.4g} mm gives four",
+                                 1e3 * extent, 1e3 * spacing, 1e3 * extent / 4));
+      if (layers < 4)
+        warnings.push_back(fmt::format("[solid.{}] is {} particles thick; bending wants 4 or more",
+                                       solid.name, layers));
+    }
+  }
+}
+
+template <int dim>
+std::vector<Wall<dim>> walls_of(const Problem& problem) {
+  std::vector<Wall<dim>> walls;
+  if (!problem.walls) return walls;
+  const auto add = [&](Side side, bool no_slip) {
+    const auto plane = open_plane<dim>(problem.channel, side);
+    walls.push_back({plane.axis, plane.place, -plane.outward, no_slip, Vector<dim>::Zero()});
+  };
+  for (const Side side : problem.walls->no_slip) add(side, true);
+  for (const Side side : problem.walls->free_slip) add(side, false);
+  return walls;
+}
+
+}  // namespace
+
+template <int dim>
+ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
+  ParticleScene<dim> scene;
+  scene.problem = read_problem(document);
+  const Problem& problem = scene.problem;
+  const Numerics numerics = read_numerics(document);
+  const Table sph = document.table("sph");
+  const double spacing = sph.quantity("spacing", dimension::length);
+  if (!(spacing > 0.0)) sph.refuse("spacing", "must be positive");
+  const double fixed_step = sph.quantity_or("time_step", dimension::time, "0 s");
+  if (fixed_step < 0.0) sph.refuse("time_step", "must be positive, or 0 to let the limits decide");
+  const double default_speed = problem.inflow ? 1.5 * problem.inflow->mean_velocity : 0.0;
+  // The flow speeds up in narrow places; the inflow's peak alone would be too low a scale.
+  const double scale = sph.quantity_or("velocity_scale", dimension::velocity,
+                                       fmt::format("{} m/s", 2.0 * default_speed));
+  if (!(scale > 0.0))
+    sph.refuse("velocity_scale", "must be given for a scene without inflow: the fastest speed expected");
+
+  auto particles = fill_lattice<dim>(problem, spacing, sph, scene.bodies);
+  check_thickness<dim>(document, problem, spacing, particles, scene.bodies, scene.warnings);
+  scene.simulation =
+      std::make_unique<Simulation<dim>>(numerics, std::move(particles), walls_of<dim>(problem));
+  auto& simulation = *scene.simulation;
+  const double reach = simulation.state().kernel.support_radius();
+  if (problem.inflow) simulation.add_inflow({*problem.inflow, problem.channel, spacing, reach});
+  if (problem.outflow)
+    simulation.add_outflow({*problem.outflow, problem.channel, spacing, reach, problem.density});
+  add_effects(scene, table);
+  document.leave_unread("reference_fem");
+  document.refuse_unread();
+  simulation.start(scale, fixed_step);
+  return scene;
+}
+
+template ParticleScene<2> set_up<2>(Document&, const ModulusTable&);
+template ParticleScene<3> set_up<3>(Document&, const ModulusTable&);
+
+}  // namespace sprung::sph

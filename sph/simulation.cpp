@@ -1,0 +1,347 @@
+#include "sph/simulation.hpp"
+
+#include "scene/progress.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace sprung::sph {
+
+namespace {
+
+/// Adds the time between its construction and its end to one ACTION's account.
+class Stopwatch {
+ public:
+  Stopwatch(double& account) : account_(account), began_(wall_seconds()) {}
+  ~Stopwatch() { account_ += wall_seconds() - began_; }
+
+ private:
+  double& account_;
+  double began_;
+};
+
+std::unique_ptr<PressureSolver> make_solver(PressureSolverKind kind) {
+  return kind == PressureSolverKind::bicgstab ? make_bicgstab_solver() : make_two_level_solver();
+}
+
+/// Steps between two sortings of the fluid in memory.
+constexpr std::int64_t steps_between_sorts = 10;
+
+}  // namespace
+
+const char* to_string(Action action) {
+  switch (action) {
+    case Action::body_forces: return "ACTION 4 body forces";
+    case Action::predictor: return "ACTION 5 predictor";
+    case Action::pressure_assembly: return "ACTION 6 pressure, assembly";
+    case Action::pressure_solve: return "ACTION 6 pressure, solution";
+    case Action::corrector: return "ACTION 7 corrector";
+    case Action::motion: return "ACTION 8 motion";
+    case Action::support: return "ACTION 9 support and mirrors";
+    case Action::output: return "probes and records";
+  }
+  return "";
+}
+
+template <int dim>
+Simulation<dim>::Simulation(Numerics numerics, Particles<dim> particles,
+                            std::vector<Wall<dim>> walls)
+    : numerics_(std::move(numerics)),
+      state_{std::move(particles), Images<dim>(std::move(walls)), {},
+             Kernel<dim>(numerics_.smoothing_length_ratio * particles.spacing), {}},
+      solver_(make_solver(numerics_.pressure_solver)) {
+  // The Kernel above reads `particles.spacing`, a plain number that survives the move.
+  const LatticeSums sums = lattice_sums(state_.kernel, state_.particles.spacing);
+  lattice_partition_ = sums.partition;
+  if (numerics_.normalised_gradient) state_.kernel.normalise_gradient(sums.gradient);
+}
+
+template <int dim>
+void Simulation<dim>::start(double velocity_scale, double fixed_time_step) {
+  velocity_scale_ = velocity_scale;
+  fixed_time_step_ = fixed_time_step;
+  auto& particles = state_.particles;
+  for (const auto& side : inflow_) side.fill(particles);
+  for (const auto& side : outflow_) side.fill(particles);
+  box_low_ = box_high_ = particles.position[0];
+  for (const auto& x : particles.position) {
+    box_low_ = box_low_.cwiseMin(x);
+    box_high_ = box_high_.cwiseMax(x);
+  }
+  sort_by_role(particles, std::vector<bool>(particles.size(), false),
+               state_.kernel.support_radius());
+  build_support();
+}
+
+template <int dim>
+TimeStepChoice Simulation<dim>::time_step_limit() const {
+  TimeStepChoice choice{numerics_.courant * state_.particles.spacing / velocity_scale_,
+                        "CFL, courant x spacing / velocity scale"};
+  for (const auto* limit : effects_.limits) {
+    const double value = limit->largest_time_step(state_);
+    if (value < choice.value) choice = {value, limit->limit_name()};
+  }
+  return choice;
+}
+
+template <int dim>
+void Simulation<dim>::choose_time_step() {
+  Clock& clock = state_.clock;
+  clock.previous_time_step = clock.time_step;
+  const double largest = fixed_time_step_ > 0.0 ? fixed_time_step_ : time_step_limit().value;
+  // Equal steps up to the next time at which someone looks: no sliver of a step before it.
+  const double left = stop_at_ - clock.time;
+  clock.time_step = std::isfinite(left) ? left / std::ceil(left / largest * (1.0 - 1e-9)) : largest;
+}
+
+template <int dim>
+void Simulation<dim>::add_body_forces() {
+  const Stopwatch watch(seconds_[std::size_t(Action::body_forces)]);
+  acceleration_.assign(state_.particles.unknowns, Vector<dim>::Zero());
+  for (const auto& force : effects_.body_forces) force->add_acceleration(state_, acceleration_);
+}
+
+template <int dim>
+void Simulation<dim>::predict_velocity() {
+  const Stopwatch watch(seconds_[std::size_t(Action::predictor)]);
+  auto& particles = state_.particles;
+  for (const auto& term : effects_.diffusion) term->add_acceleration(state_, acceleration_);
+  particles.predicted_velocity = particles.velocity;
+  const double dt = state_.clock.time_step;
+  for (std::size_t i = 0; i < particles.unknowns; ++i)
+    particles.predicted_velocity[i] += dt * acceleration_[i];
+  for (const auto& side : inflow_)
+    side.prescribe(particles.role, particles.position, particles.predicted_velocity,
+                   state_.clock.time + dt);
+}
+
+/// Eq. 3's sum, sum_j V (u_j - u_i) . grad W_ij, 1/s.
+template <int dim>
+void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
+                                 std::vector<double>& result) {
+  const auto& particles = state_.particles;
+  const auto& points = state_.images.points();
+  state_.images.extend_for_divergence(velocity, extended_velocity_);
+  const std::size_t n = particles.unknowns;
+  result.resize(n);
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto neighbours = state_.support.of(i);
+    double sum = 0.0;
+    for (std::size_t k = 0; k < neighbours.index.size(); ++k) {
+      const std::int32_t j = neighbours.index[k];
+      sum += neighbours.gradient_factor[k] *
+             (extended_velocity_[j] - extended_velocity_[i]).dot(points[i] - points[j]);
+    }
+    result[i] = particles.volume * sum;
+  }
+}
+
+template <int dim>
+void Simulation<dim>::solve_pressure() {
+  auto& particles = state_.particles;
+  const std::size_t n = particles.unknowns;
+  {
+    const Stopwatch watch(seconds_[std::size_t(Action::pressure_assembly)]);
+    matrix_.assemble(particles, state_.images, state_.support);
+    divergence(particles.predicted_velocity, source_);
+    const double rate = numerics_.density_feedback * velocity_scale_ / particles.spacing;
+    // Inside a body whose cells keep their own area the feedback would constrain twice.
+    const std::size_t first = numerics_.area_stiffness > 0.0 ? particles.solids : 0;
+    const auto& partition = state_.support.partition();
+    for (std::size_t i = first; i < n; ++i)
+      source_[i] += rate * (lattice_partition_ / partition[i] - 1.0);
+    for (std::size_t i = 0; i < n; ++i)
+      source_[i] = source_[i] / state_.clock.time_step + matrix_.boundary_source()[i];
+    if (matrix_.singular()) {
+      double mean = 0.0;
+      for (const double s : source_) mean += s;
+      mean /= static_cast<double>(n);
+      for (double& s : source_) s -= mean;
+    }
+    // Coarse cells of 3.5 dx: larger ones take more iterations, smaller ones more time each.
+    const double cell = 3.5 * particles.spacing;
+    std::array<std::int32_t, dim> extent;
+    for (int d = 0; d < dim; ++d)
+      extent[d] = static_cast<std::int32_t>((box_high_[d] - box_low_[d]) / cell) + 1;
+    cell_of_.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      std::int32_t number = 0;
+      for (int d = dim - 1; d >= 0; --d) {
+        const auto c = static_cast<std::int32_t>((particles.position[i][d] - box_low_[d]) / cell);
+        number = number * extent[d] + std::clamp(c, 0, extent[d] - 1);
+      }
+      cell_of_[i] = number;
+    }
+    solver_->prepare(matrix_, cell_of_, extent);
+  }
+  const Stopwatch watch(seconds_[std::size_t(Action::pressure_solve)]);
+  pressure_report_ =
+      solver_->solve(matrix_, source_, {particles.pseudo_pressure.data(), n}, numerics_.pressure_tolerance);
+  if (!pressure_report_.converged || !std::isfinite(pressure_report_.relative_residual))
+    throw std::runtime_error("the pressure equation did not converge: relative residual " +
+                             std::to_string(pressure_report_.relative_residual) + " after " +
+                             std::to_string(pressure_report_.iterations) + " iterations");
+}
+
+template <int dim>
+void Simulation<dim>::correct_velocity() {
+  const Stopwatch watch(seconds_[std::size_t(Action::corrector)]);
+  auto& particles = state_.particles;
+  const auto& points = state_.images.points();
+  const std::size_t n = particles.unknowns;
+  const double scale = state_.clock.time_step * particles.volume;
+  acceleration_.resize(n);
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto neighbours = state_.support.of(i);
+    Vector<dim> sum = Vector<dim>::Zero();
+    for (std::size_t k = 0; k < neighbours.index.size(); ++k) {
+      const std::int32_t j = neighbours.index[k];
+      const std::int32_t s = state_.images.source(j);
+      if (particles.role[s] == Role::inflow) continue;  // dpsi/dn = 0 there, as in the matrix
+      sum += neighbours.gradient_factor[k] *
+             (particles.pseudo_pressure[i] - particles.pseudo_pressure[s]) * (points[i] - points[j]);
+    }
+    acceleration_[i] = -scale * sum;
+  }
+  // The old velocity is still wanted by the mean of ACTION 8, so it is kept in place of u*.
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector<dim> u_new = particles.predicted_velocity[i] + acceleration_[i];
+    particles.predicted_velocity[i] = particles.velocity[i];
+    particles.velocity[i] = u_new;
+  }
+  for (std::size_t i = n; i < particles.size(); ++i)
+    std::swap(particles.velocity[i], particles.predicted_velocity[i]);
+}
+
+template <int dim>
+double Simulation<dim>::remaining_divergence() {
+  std::vector<double> result;
+  divergence(state_.particles.velocity, result);
+  return result.empty() ? 0.0 : std::sqrt(dot(result, result) / static_cast<double>(result.size()));
+}
+
+template <int dim>
+void Simulation<dim>::move_particles() {
+  const Stopwatch watch(seconds_[std::size_t(Action::motion)]);
+  auto& particles = state_.particles;
+  const double dt = state_.clock.time_step;
+  const bool mean = numerics_.position_update == PositionUpdate::mean_velocity;
+  displacement_.resize(particles.size());
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    displacement_[i] = mean ? Vector<dim>(0.5 * dt * (particles.velocity[i] + particles.predicted_velocity[i]))
+                            : Vector<dim>(dt * particles.velocity[i]);
+  for (const auto& motion : effects_.motion) motion->add_displacement(state_, displacement_);
+  for (std::size_t i = 0; i < particles.size(); ++i) particles.position[i] += displacement_[i];
+  Clock& clock = state_.clock;
+  clock.time += dt;
+  if (std::abs(clock.time - stop_at_) < 1e-9 * dt) clock.time = stop_at_;
+  ++clock.step;
+}
+
+template <int dim>
+void Simulation<dim>::update_support_and_mirrors() {
+  const Stopwatch watch(seconds_[std::size_t(Action::support)]);
+  auto& particles = state_.particles;
+  std::vector<bool> dropped;
+  for (const auto& side : inflow_) side.exchange(particles, state_.clock.time, books_);
+  for (const auto& side : outflow_) side.exchange(particles, books_);
+  dropped.assign(particles.size(), false);
+  for (std::size_t i = particles.solids; i < particles.size(); ++i)
+    for (const auto& side : outflow_) dropped[i] = dropped[i] || side.beyond(particles.position[i]);
+  for (std::size_t i = particles.solids; i < particles.size(); ++i) {
+    if (particles.role[i] == Role::fluid && state_.images.outside_a_wall(particles.position[i])) {
+      dropped[i] = true;
+      ++books_.lost;
+    }
+    for (const auto& side : inflow_)
+      if (particles.role[i] == Role::fluid && side.upstream(particles.position[i]) && !dropped[i]) {
+        dropped[i] = true;
+        ++books_.upstream;
+      }
+  }
+  const bool sort = state_.clock.step % steps_between_sorts == 0;
+  sort_by_role(particles, dropped, sort ? state_.kernel.support_radius() : 0.0);
+  for (const auto& side : outflow_) side.copy_velocity(particles, state_.kernel);
+  for (const auto& side : inflow_)
+    side.prescribe(particles.role, particles.position, particles.velocity, state_.clock.time);
+  build_support();
+}
+
+template <int dim>
+void Simulation<dim>::build_support() {
+  auto& particles = state_.particles;
+  state_.images.mirror(particles, state_.kernel.support_radius());
+  state_.support.build(state_.kernel, state_.images.points(), particles.unknowns, particles.volume);
+}
+
+template <int dim>
+double Simulation<dim>::inflow_flux() const {
+  double flux = 0.0;
+  for (const auto& side : inflow_) flux += side.flux(state_.clock.time);
+  return flux;
+}
+
+template <int dim>
+void Simulation<dim>::save(Archive& archive) const {
+  const auto& p = state_.particles;
+  const auto flat = [](const std::vector<Vector<dim>>& values) {
+    std::vector<double> out;
+    out.reserve(values.size() * dim);
+    for (const auto& v : values)
+      for (int d = 0; d < dim; ++d) out.push_back(v[d]);
+    return out;
+  };
+  archive["position"] = flat(p.position);
+  archive["velocity"] = flat(p.velocity);
+  archive["predicted_velocity"] = flat(p.predicted_velocity);
+  archive["pseudo_pressure"] = p.pseudo_pressure;
+  std::vector<std::int64_t> role(p.size());
+  for (std::size_t i = 0; i < p.size(); ++i) role[i] = static_cast<std::int64_t>(p.role[i]);
+  archive["role"] = role;
+  archive["identity"] = p.identity;
+  for (const auto& array : p.carried) archive["carried/" + array.name] = flat(*array.values);
+  const Clock& c = state_.clock;
+  archive["clock"] = std::vector<double>{c.time, c.time_step, c.previous_time_step};
+  archive["counters"] = std::vector<std::int64_t>{
+      c.step, p.next_identity, static_cast<std::int64_t>(p.solids),
+      static_cast<std::int64_t>(p.unknowns), books_.entered, books_.left, books_.returned,
+      books_.upstream, books_.lost};
+  for (const auto* effect : effects_.remembers) effect->save(archive);
+}
+
+template <int dim>
+void Simulation<dim>::restore(const Archive& archive) {
+  auto& p = state_.particles;
+  const auto unflat = [&](const std::string& name, std::vector<Vector<dim>>& values) {
+    const auto& flat = std::get<std::vector<double>>(archive.at(name));
+    values.resize(flat.size() / dim);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      for (int d = 0; d < dim; ++d) values[i][d] = flat[i * dim + d];
+  };
+  unflat("position", p.position);
+  unflat("velocity", p.velocity);
+  unflat("predicted_velocity", p.predicted_velocity);
+  p.pseudo_pressure = std::get<std::vector<double>>(archive.at("pseudo_pressure"));
+  p.identity = std::get<std::vector<std::int64_t>>(archive.at("identity"));
+  const auto& role = std::get<std::vector<std::int64_t>>(archive.at("role"));
+  p.role.resize(role.size());
+  for (std::size_t i = 0; i < role.size(); ++i) p.role[i] = static_cast<Role>(role[i]);
+  for (auto& array : p.carried) unflat("carried/" + array.name, *array.values);
+  const auto& clock = std::get<std::vector<double>>(archive.at("clock"));
+  const auto& counters = std::get<std::vector<std::int64_t>>(archive.at("counters"));
+  state_.clock = {clock[0], clock[1], clock[2], counters[0]};
+  p.next_identity = counters[1];
+  p.solids = static_cast<std::size_t>(counters[2]);
+  p.unknowns = static_cast<std::size_t>(counters[3]);
+  books_ = {counters[4], counters[5], counters[6], counters[7], counters[8]};
+  for (auto* effect : effects_.remembers) effect->restore(archive);
+  build_support();
+}
+
+template class Simulation<2>;
+template class Simulation<3>;
+
+}  // namespace sprung::sph

@@ -1,0 +1,106 @@
+#pragma once
+/// A scene set up for the particle method: the state, the effects that the scene names, and the ACTIONs of
+/// the time step, each with its equation number.
+
+#include "sph/boundary/open_sides.hpp"
+#include "sph/effects/roles.hpp"
+#include "sph/numerics.hpp"
+#include "sph/pressure/solver.hpp"
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace sprung::sph {
+
+enum class Action { body_forces, predictor, pressure_assembly, pressure_solve, corrector, motion, support, output };
+inline constexpr std::size_t action_count = 8;
+const char* to_string(Action action);
+
+/// The effects of a scene, by the role they play; built by the registry.
+template <int dim>
+struct Effects {
+  std::vector<std::unique_ptr<Acceleration<dim>>> body_forces;  ///< ACTION 4
+  std::vector<std::unique_ptr<Acceleration<dim>>> diffusion;    ///< ACTION 5
+  std::vector<std::unique_ptr<Motion<dim>>> motion;             ///< ACTION 8
+  std::vector<const TimeStepLimit<dim>*> limits;
+  std::vector<Remembers*> remembers;
+};
+
+struct TimeStepChoice {
+  double value = 0.0;
+  std::string limit;  ///< what set it, in words
+};
+
+template <int dim>
+class Simulation {
+ public:
+  Simulation(Numerics numerics, Particles<dim> particles, std::vector<Wall<dim>> walls);
+
+  /// Set-up: boundaries and effects are added before the first call of start().
+  void add_inflow(InflowSide<dim> side) { inflow_.push_back(std::move(side)); }
+  void add_outflow(OutflowSide<dim> side) { outflow_.push_back(std::move(side)); }
+  Effects<dim>& effects() { return effects_; }
+  /// Builds the first support lists (ACTION 3). `velocity_scale` (m/s) is the fastest flow expected, for
+  /// the CFL limit and the rate of the density feedback. `fixed_time_step`: 0 lets the limits decide.
+  void start(double velocity_scale, double fixed_time_step);
+
+  /// The largest step that every limit allows, and which limit that is.
+  TimeStepChoice time_step_limit() const;
+  /// Sets the next step; shortened so that `stop_at` (the next time at which someone looks) is met.
+  void choose_time_step();
+  void stop_at(double time) { stop_at_ = time; }
+
+  void add_body_forces();             // ACTION 4
+  void predict_velocity();            // ACTION 5
+  void solve_pressure();              // ACTION 6
+  void correct_velocity();            // ACTION 7
+  void move_particles();              // ACTION 8
+  void update_support_and_mirrors();  // ACTION 9
+
+  const State<dim>& state() const { return state_; }
+  State<dim>& state() { return state_; }
+  const Numerics& numerics() const { return numerics_; }
+  const SolveReport& pressure_report() const { return pressure_report_; }
+  const ParticleBooks& books() const { return books_; }
+  double inflow_flux() const;
+  const std::vector<OutflowSide<dim>>& outflow() const { return outflow_; }
+  /// Root mean square of the divergence (Eq. 3's sum) that the corrector left, 1/s.
+  double remaining_divergence();
+  const std::array<double, action_count>& seconds() const { return seconds_; }
+  void add_seconds(Action action, double seconds) { seconds_[std::size_t(action)] += seconds; }
+  double velocity_scale() const { return velocity_scale_; }
+
+  void save(Archive& archive) const;
+  void restore(const Archive& archive);
+
+ private:
+  void divergence(const std::vector<Vector<dim>>& velocity, std::vector<double>& result);
+  void build_support();
+
+  Numerics numerics_;
+  State<dim> state_;
+  Effects<dim> effects_;
+  std::vector<InflowSide<dim>> inflow_;
+  std::vector<OutflowSide<dim>> outflow_;
+  std::unique_ptr<PressureSolver> solver_;
+  PressureMatrix matrix_;
+  SolveReport pressure_report_;
+  ParticleBooks books_;
+  double velocity_scale_ = 0.0;
+  double fixed_time_step_ = 0.0;
+  double stop_at_ = std::numeric_limits<double>::infinity();
+  double lattice_partition_ = 1.0;
+  Vector<dim> box_low_, box_high_;
+  std::array<double, action_count> seconds_{};
+
+  std::vector<Vector<dim>> acceleration_;
+  std::vector<Vector<dim>> displacement_;
+  std::vector<Vector<dim>> extended_velocity_;
+  std::vector<double> source_;
+  std::vector<double> psi_extended_;
+  std::vector<std::int32_t> cell_of_;
+};
+
+}  // namespace sprung::sph
