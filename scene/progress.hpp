@@ -9,8 +9,8 @@ namespace sprung {
 
 class Progress {
  public:
-  /// `what` stands at the line's start; `total` is where `advance` will end (simulated seconds, say),
-  /// `start` where it begins (not 0 after a resume).
+  /// `what` stands at the line's start; `total` is where `advance` will end (simulated seconds,
+  /// say), `start` where it begins (not 0 after a resume).
   Progress(std::string what, double total, double start = 0.0);
   ~Progress();
   /// Tells how far the run is, with an optional remark ("dt 1.0 ms, 14 iterations").

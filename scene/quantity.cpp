@@ -293,7 +293,7 @@ double parse_quantity(std::string_view text, const Dimension& expected) {
   const auto unit_text = trim(text.substr(length));
   if (unit_text.starts_with(','))
     throw QuantityError(
-        value, "a comma in the number; write a decimal point, as in " + describe(expected));
+        value, "a comma in the number; write " + describe(expected) + ", with a decimal point");
   if (unit_text.empty() && expected != dimension::none)
     throw QuantityError(value, "a number without a unit; write " + describe(expected));
   const Unit unit = parse_unit(unit_text, value);
