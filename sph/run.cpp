@@ -68,17 +68,13 @@ class Measurements {
       append(probe.name, force_on(body_named(probe.solid)));
   }
 
-  /// What the fluid did to the body in the last step: its change of momentum less the springs' part.
+  /// What the fluid did to the body in the last step.
   Vector<dim> force_on(const BodyRange& body) const {
     const auto& state = scene_.simulation->state();
-    const auto& particles = state.particles;
+    const auto load = scene_.solid->load(state);
     Vector<dim> sum = Vector<dim>::Zero();
-    if (state.clock.step == 0) return sum;
-    // After the corrector `predicted_velocity` holds the velocity before the step.
-    for (std::size_t i = body.first; i < body.last; ++i)
-      sum += (particles.velocity[i] - particles.predicted_velocity[i]) / state.clock.time_step -
-             scene_.solid->spring_acceleration()[i];
-    return particles.mass() * sum;
+    for (std::size_t i = body.first; i < body.last; ++i) sum += load[i];
+    return state.particles.mass() * sum;
   }
 
   void ledgers() {

@@ -214,6 +214,8 @@ void Simulation<dim>::correct_velocity() {
   }
   for (std::size_t i = n; i < particles.size(); ++i)
     std::swap(particles.velocity[i], particles.predicted_velocity[i]);
+  for (auto* constraint : effects_.constraints)
+    constraint->constrain(state_, particles.predicted_velocity);
 }
 
 template <int dim>

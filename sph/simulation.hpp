@@ -24,6 +24,7 @@ struct Effects {
   std::vector<std::unique_ptr<Acceleration<dim>>> body_forces;  ///< ACTION 4
   std::vector<std::unique_ptr<Acceleration<dim>>> diffusion;    ///< ACTION 5
   std::vector<std::unique_ptr<Motion<dim>>> motion;             ///< ACTION 8
+  std::vector<Constraint<dim>*> constraints;                    ///< ACTION 7
   std::vector<const TimeStepLimit<dim>*> limits;
   std::vector<Remembers*> remembers;
 };

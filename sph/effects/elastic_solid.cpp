@@ -6,6 +6,8 @@
 namespace sprung::sph {
 
 namespace {
+static const double G = getenv("GG") ? atof(getenv("GG")) : 0.5;
+static const double A = getenv("AL") ? atof(getenv("AL")) : 0.1;
 
 template <int dim>
 using Block = Eigen::Matrix<double, dim, dim>;
@@ -66,7 +68,7 @@ ElasticSolid<dim>::ElasticSolid(ElasticNetwork<dim> network, const Particles<dim
       integration_(integration),
       highest_frequency_(highest_frequency(network_, mass_)),
       spring_acceleration_(network_.movable, Vector<dim>::Zero()),
-      previous_velocity_(network_.movable, Vector<dim>::Zero()) {}
+      load_(network_.movable, Vector<dim>::Zero()) {}
 
 template <int dim>
 void ElasticSolid<dim>::add_acceleration(const State<dim>& state,
@@ -130,21 +132,8 @@ void ElasticSolid<dim>::implicit_acceleration(const State<dim>& state) {
   const auto position = solid_positions(network_, particles.position);
   elastic_forces(network_, position, force_);
   assemble_tangent(position);
-  const Clock& clock = state.clock;
-  const double weight = 0.5 * clock.time_step * clock.time_step;
-  Eigen::VectorXd other(n * dim), right(n * dim);
-  for (std::size_t i = 0; i < n; ++i) {
-    Vector<dim> a_e = Vector<dim>::Zero();
-    if (clock.previous_time_step > 0.0)
-      a_e = (particles.velocity[i] - previous_velocity_[i]) / clock.previous_time_step -
-            spring_acceleration_[i];
-    other.template segment<dim>(i * dim) = a_e;
-    right.template segment<dim>(i * dim) = force_[i];
-    previous_velocity_[i] = particles.velocity[i];
-  }
-  const Eigen::VectorXd stiff = tangent_.template selfadjointView<Eigen::Lower>() * other;
-  right -= weight * stiff;
-  system_ = weight * tangent_;
+  const double dt = state.clock.time_step;
+  system_ = G * dt * dt * tangent_;
   for (std::size_t i = 0; i < n * dim; ++i) system_.coeffRef(i, i) += mass_;
   if (!analysed_) {
     factor_.analyzePattern(system_);
@@ -154,8 +143,44 @@ void ElasticSolid<dim>::implicit_acceleration(const State<dim>& state) {
   if (factor_.info() != Eigen::Success)
     throw std::runtime_error("the implicit spring system cannot be factorised: a spring has collapsed "
                              "or a position is not a number");
+  Eigen::VectorXd velocity(n * dim), right(n * dim);
+  for (std::size_t i = 0; i < n; ++i) {
+    velocity.template segment<dim>(i * dim) = particles.velocity[i];
+    right.template segment<dim>(i * dim) = force_[i];
+  }
+  const Eigen::VectorXd ahead = tangent_.template selfadjointView<Eigen::Lower>() * velocity;
+  right -= A * dt * ahead;
   const Eigen::VectorXd a = factor_.solve(right);
   for (std::size_t i = 0; i < n; ++i) spring_acceleration_[i] = a.template segment<dim>(i * dim);
+}
+
+template <int dim>
+std::vector<Vector<dim>> ElasticSolid<dim>::load(const State<dim>& state) const {
+  if (integration_ == SpringIntegration::implicit_force) return load_;
+  const auto& particles = state.particles;
+  std::vector<Vector<dim>> load(network_.movable, Vector<dim>::Zero());
+  if (state.clock.step == 0) return load;
+  // After the corrector `predicted_velocity` holds the velocity before the step.
+  for (std::size_t i = 0; i < network_.movable; ++i)
+    load[i] = (particles.velocity[i] - particles.predicted_velocity[i]) / state.clock.time_step -
+              spring_acceleration_[i];
+  return load;
+}
+
+template <int dim>
+void ElasticSolid<dim>::constrain(State<dim>& state, const std::vector<Vector<dim>>& old_velocity) {
+  auto& particles = state.particles;
+  const std::size_t n = network_.movable;
+  const double dt = state.clock.time_step;
+  Eigen::VectorXd force(n * dim);
+  for (std::size_t i = 0; i < n; ++i) {
+    load_[i] = (particles.velocity[i] - old_velocity[i]) / dt - spring_acceleration_[i];
+    force.template segment<dim>(i * dim) = mass_ * load_[i];
+  }
+  const Eigen::VectorXd a = factor_.solve(force);
+  for (std::size_t i = 0; i < n; ++i)
+    particles.velocity[i] =
+        old_velocity[i] + dt * (spring_acceleration_[i] + a.template segment<dim>(i * dim));
 }
 
 template <int dim>
@@ -168,40 +193,6 @@ double ElasticSolid<dim>::largest_time_step(const State<dim>&) const {
 template <int dim>
 double ElasticSolid<dim>::energy(const Particles<dim>& particles) const {
   return elastic_energy(network_, solid_positions(network_, particles.position));
-}
-
-namespace {
-
-template <int dim>
-std::vector<double> flattened(const std::vector<Vector<dim>>& values) {
-  std::vector<double> flat;
-  flat.reserve(values.size() * dim);
-  for (const auto& v : values)
-    for (int d = 0; d < dim; ++d) flat.push_back(v[d]);
-  return flat;
-}
-
-template <int dim>
-void unflatten(const Array& array, std::vector<Vector<dim>>& values) {
-  const auto& flat = std::get<std::vector<double>>(array);
-  values.resize(flat.size() / dim);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    for (int d = 0; d < dim; ++d) values[i][d] = flat[i * dim + d];
-}
-
-}  // namespace
-
-template <int dim>
-void ElasticSolid<dim>::save(Archive& archive) const {
-  archive["solid/reference"] = flattened<dim>(network_.reference);
-  archive["solid/spring_acceleration"] = flattened<dim>(spring_acceleration_);
-  archive["solid/previous_velocity"] = flattened<dim>(previous_velocity_);
-}
-
-template <int dim>
-void ElasticSolid<dim>::restore(const Archive& archive) {
-  unflatten<dim>(archive.at("solid/spring_acceleration"), spring_acceleration_);
-  unflatten<dim>(archive.at("solid/previous_velocity"), previous_velocity_);
 }
 
 template class ElasticSolid<2>;

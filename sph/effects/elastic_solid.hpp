@@ -11,29 +11,33 @@
 namespace sprung::sph {
 
 template <int dim>
-class ElasticSolid final : public Acceleration<dim>, public TimeStepLimit<dim>, public Remembers {
+class ElasticSolid final : public Acceleration<dim>,
+                           public Constraint<dim>,
+                           public TimeStepLimit<dim> {
  public:
   ElasticSolid(ElasticNetwork<dim> network, const Particles<dim>& particles,
                SpringIntegration integration);
 
-  /// Explicit: F(x)/m. Implicit: a = (M + 1/2 dt^2 K)^-1 (F(x) - 1/2 dt^2 K a_e), where K is the positive
-  /// part of the tangent and a_e what everything but the springs did to the particle in the step before.
-  /// With the new-velocity update this is the leapfrog of a spring whose squared frequency is
-  /// w^2/(1 + w^2 dt^2/2), so it is stable for any step and damps nothing; and since a = -a_e solves it
-  /// at rest, a lasting load is carried by the true stiffness whatever the step.
+  /// Explicit: F(x)/m. Implicit: H F/m with H = (M + g dt^2 K)^-1 M, K the positive part of the tangent,
+  /// and F taken at x + a dt u (g = 1/2, a = 1/10).
   void add_acceleration(const State<dim>& state, std::vector<Vector<dim>>& acceleration) override;
+
+  /// Implicit springs: what pressure and viscosity did to the body passes through H too, so that the whole
+  /// step is (M + g dt^2 K) du/dt = F + f. A lasting load is then carried by the true stiffness whatever the
+  /// step, and the noise of the pressure does not shake the stiff modes, whose dt^2 f/m would otherwise be
+  /// added to the positions unopposed. With the new-velocity update an undamped spring becomes the leapfrog
+  /// of squared frequency w^2/(1 + g w^2 dt^2), stable for any step; `a` damps a mode by the ratio
+  /// a w dt/2 and the stiffest by sqrt(1 - a/g) per step.
+  void constrain(State<dim>& state, const std::vector<Vector<dim>>& old_velocity) override;
 
   /// Explicit springs: 0.8 of the limit 2/w_max of the new-velocity update, w_max by power iteration on
   /// K/m at rest. Implicit springs set no limit.
   double largest_time_step(const State<dim>& state) const override;
   std::string limit_name() const override { return "springs, 0.8 x 2/omega_max"; }
 
-  void save(Archive& archive) const override;
-  void restore(const Archive& archive) override;
-
   const ElasticNetwork<dim>& network() const { return network_; }
-  /// Acceleration that the springs gave in the last step, m/s2, one per solid.
-  const std::vector<Vector<dim>>& spring_acceleration() const { return spring_acceleration_; }
+  /// Acceleration that all but the springs gave in the last step, m/s2, one per solid.
+  std::vector<Vector<dim>> load(const State<dim>& state) const;
   double energy(const Particles<dim>& particles) const;
 
  private:
@@ -46,9 +50,9 @@ class ElasticSolid final : public Acceleration<dim>, public TimeStepLimit<dim>, 
   double highest_frequency_;
   std::vector<Vector<dim>> force_;
   std::vector<Vector<dim>> spring_acceleration_;
-  std::vector<Vector<dim>> previous_velocity_;
+  std::vector<Vector<dim>> load_;
   Eigen::SparseMatrix<double> tangent_;  ///< lower triangle of K
-  Eigen::SparseMatrix<double> system_;   ///< lower triangle of M + 1/2 dt^2 K
+  Eigen::SparseMatrix<double> system_;   ///< lower triangle of M + g dt^2 K
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor_;
   bool analysed_ = false;
 };

@@ -42,7 +42,8 @@ void add_springs(ParticleScene<dim>& scene, const ModulusTable& table) {
                                                     numerics.spring_integration);
   scene.solid = effect.get();
   simulation.effects().limits.push_back(effect.get());
-  simulation.effects().remembers.push_back(effect.get());
+  if (numerics.spring_integration == SpringIntegration::implicit_force)
+    simulation.effects().constraints.push_back(effect.get());
   simulation.effects().body_forces.push_back(std::move(effect));
 }
 

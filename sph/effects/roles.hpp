@@ -56,6 +56,15 @@ class Motion {
   virtual void add_displacement(State<dim>& state, std::vector<Vector<dim>>& displacement) = 0;
 };
 
+/// Has the last word on the velocity of the particles that it owns, after the corrector (ACTION 7).
+template <int dim>
+class Constraint {
+ public:
+  virtual ~Constraint() = default;
+  /// `old_velocity`: before the step. May change state.particles.velocity.
+  virtual void constrain(State<dim>& state, const std::vector<Vector<dim>>& old_velocity) = 0;
+};
+
 /// Keeps what it needs over a stop: its arrays go into the checkpoint and come back from it.
 class Remembers {
  public:
