@@ -94,7 +94,8 @@ class Document {
   /// Throws SceneError for the first key that no one has read, naming the nearest known word.
   void refuse_unread() const;
 
-  /// The scene as it is run: overrides applied, defaults written out. Valid TOML; reading it again
+  /// The scene as it is run: overrides applied, defaults written out (those read so far: call it
+  /// when everything has been read). Valid TOML without comments; reading it again
   /// gives the same scene.
   std::string resolved_toml() const;
 

@@ -18,7 +18,7 @@ constexpr double relative_tolerance = 1e-10;
 constexpr std::array side_names{"left", "right", "bottom", "top", "back", "front"};
 
 std::vector<std::string> sides_of(int dimension) {
-  return {side_names.begin(), side_names.begin() + 2 * dimension};
+  return {side_names.begin(), side_names.begin() + 2L * dimension};
 }
 
 Side side_named(const std::string& name) {
@@ -73,7 +73,7 @@ void refuse_loose_keys(const Table& table, const std::string& example) {
 /// Reads one scene; what it has read so far stands in `problem`.
 class ProblemReader {
  public:
-  explicit ProblemReader(const Document& document) : root_(document.root()) {}
+  explicit ProblemReader(const Document& document) : document_(document), root_(document.root()) {}
 
   Problem read() {
     problem_.title = root_.text("title");
@@ -115,6 +115,7 @@ class ProblemReader {
   std::string solids_text() const;
   void check_name(const Table& table, const std::string& name, const std::string& kind) const;
 
+  const Document& document_;
   Table root_;
   Problem problem_;
   std::map<Side, std::string> conditions_;  ///< what each side has been given
@@ -450,8 +451,7 @@ void ProblemReader::read_record() {
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
 
-  if (!root_.has("record")) return;
-  const Table table = root_.table("record");
+  const Table table = document_.table_or_new("record");
   const double every = table.quantity_or("fields_every", dimension::time, "0 s");
   if (every < 0.0)
     table.refuse("fields_every", "must not be negative; write \"0 s\" for the probes' times only");
@@ -487,47 +487,6 @@ double Inflow::speed(double s, double height, double t) const {
 
 Problem read_problem(const Document& document) {
   return ProblemReader(document).read();
-}
-
-std::vector<Point> outline_points(const Solid& solid, int points) {
-  const auto& [from, to] = solid.body;
-  // Clockwise from the lower left corner; side i runs from corner i to corner i + 1.
-  const std::array<Point, 4> corners{from, Point{from[0], to[1], from[2]}, to,
-                                     Point{to[0], from[1], from[2]}};
-  constexpr std::array clockwise{Side::left, Side::top, Side::right, Side::bottom};
-  std::size_t first = 0;
-  std::size_t sides = 4;
-  if (solid.clamped) {
-    const auto clamp = std::find(clockwise.begin(), clockwise.end(), *solid.clamped);
-    if (clamp == clockwise.end())
-      throw std::invalid_argument("outline of " + solid.name + ": outlines are for plane problems");
-    first = static_cast<std::size_t>(clamp - clockwise.begin()) + 1;
-    sides = 3;
-  }
-  if (points < 2) throw std::invalid_argument("outline of " + solid.name + ": at least two points");
-
-  std::vector<double> reached{0.0};  // arc length at each corner
-  const auto corner = [&](std::size_t i) { return corners[(first + i) % 4]; };
-  for (std::size_t i = 0; i < sides; ++i)
-    reached.push_back(reached.back() + std::abs(corner(i + 1)[0] - corner(i)[0]) +
-                      std::abs(corner(i + 1)[1] - corner(i)[1]));
-  const double total = reached.back();
-  const int intervals = solid.clamped ? points - 1 : points;
-  std::vector<Point> outline;
-  for (int k = 0; k < points; ++k) {
-    const double s = total * k / intervals;
-    std::size_t i = 0;
-    while (i + 1 < sides && s > reached[i + 1]) ++i;
-    double part = (s - reached[i]) / (reached[i + 1] - reached[i]);
-    if (std::abs(part) < relative_tolerance) part = 0.0;
-    if (std::abs(1.0 - part) < relative_tolerance) part = 1.0;
-    Point point = corner(i);
-    for (int axis = 0; axis < 2; ++axis)
-      point[axis] = part == 1.0 ? corner(i + 1)[axis]
-                                : corner(i)[axis] + part * (corner(i + 1)[axis] - corner(i)[axis]);
-    outline.push_back(point);
-  }
-  return outline;
 }
 
 }  // namespace sprung

@@ -16,8 +16,8 @@ namespace {
 
 struct KnownDimension {
   Dimension dimension;
-  const char* name;     // with its article
-  const char* example;  // as a scene file writes it
+  const char* name = nullptr;     // with its article
+  const char* example = nullptr;  // as a scene file writes it
 };
 
 constexpr std::array known_dimensions{
@@ -70,9 +70,9 @@ struct Unit {
 };
 
 struct Symbol {
-  const char* text;
+  const char* text = nullptr;
   Unit unit;
-  bool takes_prefix;
+  bool takes_prefix = false;
 };
 
 constexpr std::array symbols{
@@ -210,9 +210,7 @@ Unit parse_unit(std::string_view text, const std::string& value) {
                           "the unit \"" + std::string(text) +
                               "\" multiplies after a division, which can be read in two ways; "
                               "write every divisor behind a / of its own, as in \"kg/m/s\"");
-    if (factor == "1")
-      expect_factor = false;
-    else
+    if (factor != "1")  // the 1 of "1/s"
       multiply(product, parse_factor(factor, value), divide ? -1 : 1);
     divided = divided || divide;
     divide = false;

@@ -6,6 +6,7 @@
 #include "scene/snapshot.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -24,6 +25,7 @@ struct RecordWriter::State {
 
   void make_folders() const;
   void remove_old() const;
+  void remove_unfinished() const;
   void remove_beyond(double time);
   void add_snapshot(double time, const SnapshotData& data);
   void reach(double time) { content.reached = std::max(content.reached, time); }
@@ -45,6 +47,8 @@ fs::path series_file(const fs::path& folder, const std::string& name) {
 fs::path table_file(const fs::path& folder, const std::string& name, double time) {
   return folder / "probes" / (name + "_t" + shortest(time) + ".csv");
 }
+
+constexpr std::array main_files{"record.h5", "record.xdmf", "manifest.json", "checkpoint.h5"};
 
 /// Files that a record may have left in one of its folders: `extension`, or its unfinished ".part".
 std::vector<fs::path> own_files(const fs::path& folder, const std::string& extension) {
@@ -73,11 +77,16 @@ void RecordWriter::State::make_folders() const {
 
 void RecordWriter::State::remove_old() const {
   std::error_code error;
-  for (const auto* name : {"record.h5", "record.xdmf", "manifest.json", "checkpoint.h5"})
-    for (const auto* ending : {"", ".part"})
-      fs::remove(folder / (std::string(name) + ending), error);
+  for (const auto* name : main_files) fs::remove(folder / name, error);
   for (const auto& file : own_files(folder / "fields", ".h5")) fs::remove(file, error);
   for (const auto& file : own_files(folder / "probes", ".csv")) fs::remove(file, error);
+  remove_unfinished();
+}
+
+/// What a run killed while writing left beside the main files.
+void RecordWriter::State::remove_unfinished() const {
+  std::error_code error;
+  for (const auto* name : main_files) fs::remove(folder / (std::string(name) + ".part"), error);
 }
 
 void RecordWriter::State::remove_beyond(double time) {
@@ -170,6 +179,7 @@ RecordWriter RecordWriter::resume(fs::path folder, Manifest manifest, double tim
   for (const auto& snapshot : state->content.snapshots)
     wanted.insert(state->folder / snapshot_file(snapshot.index));
   state->flush();
+  state->remove_unfinished();
   std::error_code error;
   for (const auto& file : own_files(state->folder / "fields", ".h5"))
     if (!wanted.contains(file)) fs::remove(file, error);

@@ -127,6 +127,13 @@ displacement_of = ["1.25 m", "0.5 m", "0 m"]
   EXPECT_EQ(problem.probes.displacement.at(0).solid, "leaf");
 }
 
+TEST(Problem, DefaultsOfAnAbsentTableStandInTheResolvedScene) {
+  const auto text = beam_text();
+  const auto scene = Document::from_text(text.substr(0, text.find("[record]")));
+  read_problem(scene);
+  EXPECT_TRUE(scene.resolved_toml().ends_with("\n[record]\nfields_every = \"0 s\"\n"));
+}
+
 TEST(Problem, DefaultsStandInTheResolvedScene) {
   const auto scene = Document::from_text(beam_text(37));
   read_problem(scene);
@@ -418,6 +425,36 @@ TEST(RefusedScene, OverriddenEndIsWeighedAgainstTheTimes) {
       scene_error([&] { read_problem(scene); }),
       "s.toml:29: [probes.profile] times = [\"0.2 s\", \"3 s\"]: 3 s lies beyond the end of the "
       "run at 1 s; leave it out or raise end in [time]");
+}
+
+// Every letter of the scene left out, doubled, or turned into something else: read or refused, with
+// the place in front, never anything worse.
+TEST(RefusedScene, OneWrongLetterAnywhere) {
+  const auto whole = beam_text();
+  int refused = 0, read_well = 0;
+  const auto attempt = [&](const std::string& text) {
+    try {
+      read(text);
+      ++read_well;
+    } catch (const SceneError& error) {
+      const std::string message = error.what();
+      EXPECT_TRUE(message.starts_with("s.toml:")) << message;
+      ++refused;
+    }
+  };
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    auto text = whole;
+    attempt(text.erase(i, 1));
+    text = whole;
+    attempt(text.insert(i, 1, whole[i]));
+    for (const char c : {'"', '[', '-', '9', '\n', '\0', '\xff'}) {
+      text = whole;
+      text[i] = c;
+      attempt(text);
+    }
+  }
+  // Most changes break a word; those of a digit, a space or a text do not.
+  EXPECT_GT(refused, 4 * read_well);
 }
 
 // --- inflow speed, by hand ----------------------------------------------------------------------
