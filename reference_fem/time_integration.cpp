@@ -1,0 +1,182 @@
+#include "reference_fem/time_integration.hpp"
+
+#include "scene/progress.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sprung::reference {
+namespace {
+
+double largest(const std::vector<double>& x) {
+  double m = 0.0;
+  for (const double value : x) m = std::max(m, std::abs(value));
+  return m;
+}
+
+void add(std::vector<double>& y, double factor, const std::vector<double>& x) {
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] += factor * x[i];
+}
+
+}  // namespace
+
+Stopwatch::Stopwatch(Effort& effort, const char* phase)
+    : slot_(effort.seconds[phase]), begin_(processor_seconds()) {}
+
+Stopwatch::~Stopwatch() { slot_ += processor_seconds() - begin_; }
+
+TimeIntegration::TimeIntegration(FluidStructure& system, const MeshMotion& motion, NewtonSettings newton)
+    : system_(system), motion_(motion), newton_(newton) {}
+
+State TimeIntegration::initial_state() const {
+  State state;
+  const auto n = 2 * static_cast<std::size_t>(system_.space().nodes());
+  state.now = {std::vector<double>(n), std::vector<double>(static_cast<std::size_t>(system_.pressure_unknowns())),
+               std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
+  return state;
+}
+
+void TimeIntegration::update_from_velocity(Fields& fields, const std::vector<double>& base_velocity,
+                                           const std::vector<double>& base_displacement) const {
+  const double c = weights_.c;
+  fields.mesh_velocity = fields.velocity;
+  {
+    const Stopwatch watch(effort_, "mesh motion");
+    motion_.extend(fields.mesh_velocity);
+  }
+  for (std::size_t i = 0; i < fields.velocity.size(); ++i) {
+    fields.acceleration[i] = (fields.velocity[i] - base_velocity[i]) / c;
+    fields.displacement[i] = base_displacement[i] + c * fields.mesh_velocity[i];
+  }
+}
+
+void TimeIntegration::linearize(const Fields& fields) {
+  const Stopwatch watch(effort_, "factorisation");
+  system_.linearize(fields, weights_);
+  matrix_c_ = weights_.c;
+  ++effort_.factorizations;
+}
+
+void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& base_velocity,
+                                  const std::vector<double>& base_displacement) {
+  ++effort_.stages;
+  Residual residual;
+  std::vector<double> velocity_step, pressure_step;
+  double previous = 0.0;
+  bool fresh = false;
+  for (int iteration = 0; iteration < newton_.max_iterations; ++iteration) {
+    update_from_velocity(fields, base_velocity, base_displacement);
+    if (std::abs(matrix_c_ - weights_.c) > 1e-12 * weights_.c) {
+      linearize(fields);
+      fresh = true;
+      contraction_ = 1.0;
+    }
+    {
+      const Stopwatch watch(effort_, "assembly");
+      system_.residual(fields, weights_, residual);
+    }
+    {
+      const Stopwatch watch(effort_, "solve");
+      system_.correct(residual, velocity_step, pressure_step);
+    }
+    ++effort_.iterations;
+    add(fields.velocity, 1.0, velocity_step);
+    add(fields.pressure, 1.0, pressure_step);
+    const double change = largest(velocity_step);
+    if (!std::isfinite(change)) throw std::runtime_error("Newton's method met a value that is not finite");
+    speed_scale_ = std::max(speed_scale_, largest(fields.velocity));
+    const double theta = previous > 0.0 ? change / previous : 0.0;
+    if (previous > 0.0) contraction_ = std::max(theta, 1e-3);
+    const double remaining = contraction_ < 1.0 ? contraction_ / (1.0 - contraction_) * change : change;
+    if (remaining <= newton_.tolerance * speed_scale_) {
+      update_from_velocity(fields, base_velocity, base_displacement);
+      return;
+    }
+    if (previous > 0.0 && theta > newton_.slow && !fresh) {
+      update_from_velocity(fields, base_velocity, base_displacement);
+      linearize(fields);
+      fresh = true;
+      previous = 0.0;
+      continue;
+    }
+    previous = change;
+  }
+  throw std::runtime_error("Newton's method did not converge in " +
+                           std::to_string(newton_.max_iterations) + " iterations");
+}
+
+void TimeIntegration::step(State& state, const TimeScheme& scheme, double dt) {
+  const std::size_t stages = scheme.c.size();
+  std::vector<std::vector<double>> slope(stages), mesh_velocity(stages);
+  const State& old = state;
+  // Latest state and the one before it, for the stage's first guess.
+  const Fields* last = &old.now;
+  double last_time = old.time;
+  bool has_last_slope = old.slope_known;
+  const std::vector<double>* before_slope = old.has_before ? &old.before_acceleration : nullptr;
+  const std::vector<double>* before_pressure = old.has_before ? &old.before_pressure : nullptr;
+  double before_time = old.before_time;
+  std::vector<Fields> solved(stages);
+  if (scheme.explicit_first) {
+    if (!old.slope_known) throw std::logic_error("the scheme needs a slope to start from");
+    slope[0] = old.now.acceleration;
+    mesh_velocity[0] = old.now.mesh_velocity;
+  }
+  for (std::size_t i = scheme.explicit_first ? 1 : 0; i < stages; ++i) {
+    weights_ = {scheme.gamma * dt, 1.0};
+    const double time = old.time + scheme.c[i] * dt;
+    std::vector<double> base_velocity = old.now.velocity, base_displacement = old.now.displacement;
+    for (std::size_t j = 0; j < i; ++j) {
+      add(base_velocity, dt * scheme.a[i][j], slope[j]);
+      add(base_displacement, dt * scheme.a[i][j], mesh_velocity[j]);
+    }
+    Fields fields = *last;
+    const double s = time - last_time;
+    if (has_last_slope) {
+      add(fields.velocity, s, last->acceleration);
+      if (before_slope != nullptr) {
+        const double bend = s * s / (2.0 * (last_time - before_time));
+        add(fields.velocity, bend, last->acceleration);
+        add(fields.velocity, -bend, *before_slope);
+        const double ratio = s / (last_time - before_time);
+        add(fields.pressure, ratio, last->pressure);
+        add(fields.pressure, -ratio, *before_pressure);
+      }
+    }
+    system_.impose(time, fields.velocity);
+    solve_stage(fields, base_velocity, base_displacement);
+    slope[i] = fields.acceleration;
+    mesh_velocity[i] = fields.mesh_velocity;
+    solved[i] = std::move(fields);
+    if (has_last_slope && last_time < time) {
+      before_slope = &last->acceleration;
+      before_pressure = &last->pressure;
+      before_time = last_time;
+    }
+    last = &solved[i];
+    last_time = time;
+    has_last_slope = true;
+  }
+  displacement_error_ = 0.0;
+  if (!scheme.embedded.empty()) {
+    std::vector<double> error(old.now.displacement.size(), 0.0);
+    for (std::size_t j = 0; j < stages; ++j)
+      add(error, dt * (scheme.a.back()[j] - scheme.embedded[j]), mesh_velocity[j]);
+    displacement_error_ = largest(error);
+  }
+  State next;
+  next.time = old.time + dt;
+  next.slope_known = true;
+  const std::size_t inner = stages - 2;
+  if (stages >= 2 && !solved[inner].velocity.empty()) {
+    next.has_before = true;
+    next.before_time = old.time + scheme.c[inner] * dt;
+    next.before_acceleration = solved[inner].acceleration;
+    next.before_pressure = solved[inner].pressure;
+  }
+  next.now = std::move(solved.back());
+  state = std::move(next);
+  ++effort_.steps;
+}
+
+}  // namespace sprung::reference

@@ -1,0 +1,86 @@
+#pragma once
+/// Marches the coupled equations with diagonally implicit Runge-Kutta stages, each solved by Newton's method
+/// with a matrix that is kept until it no longer pays.
+
+#include "reference_fem/fluid_structure.hpp"
+#include "reference_fem/mesh_motion.hpp"
+#include "reference_fem/time_scheme.hpp"
+
+#include <map>
+#include <string>
+
+namespace sprung::reference {
+
+struct NewtonSettings {
+  double tolerance = 1e-6;    ///< last correction's error, relative to the largest speed
+  double slow = 0.3;          ///< a contraction slower than this calls for a new matrix
+  int max_iterations = 30;
+};
+
+struct Effort {
+  long steps = 0, stages = 0, iterations = 0, factorizations = 0;
+  std::map<std::string, double> seconds;  ///< processor seconds by phase
+};
+
+/// Adds the processor time of its scope to a phase.
+class Stopwatch {
+ public:
+  Stopwatch(Effort& effort, const char* phase);
+  ~Stopwatch();
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double& slot_;
+  double begin_;
+};
+
+/// What a run must remember between steps; all of it goes into a checkpoint.
+struct State {
+  double time = 0.0;
+  Fields now;
+  bool slope_known = false;  ///< `now.acceleration` is valid as first slope of the next step
+  /// The stage before the last, for extrapolation.
+  bool has_before = false;
+  double before_time = 0.0;
+  std::vector<double> before_acceleration, before_pressure;
+};
+
+class TimeIntegration {
+ public:
+  TimeIntegration(FluidStructure& system, const MeshMotion& motion, NewtonSettings newton);
+  /// From rest at t = 0.
+  State initial_state() const;
+  /// One step of `scheme`; a scheme with an explicit first stage needs state.slope_known.
+  /// Throws InvertedCell or std::runtime_error (Newton) and leaves `state` as it was.
+  void step(State& state, const TimeScheme& scheme, double dt);
+  /// Forgets the matrix, so that a run continued from a checkpoint takes the very same path.
+  void forget_matrix() { matrix_c_ = 0.0; contraction_ = 1.0; }
+  /// Largest embedded error estimate of the last step in displacement (m); 0 if the scheme has none.
+  double displacement_error() const { return displacement_error_; }
+  const StageWeights& weights() const { return weights_; }
+  /// The largest speed met so far (m/s), to which the Newton tolerance refers.
+  double speed_scale() const { return speed_scale_; }
+  void set_speed_scale(double speed) { speed_scale_ = speed; }
+  const Effort& effort() const { return effort_; }
+  Effort& effort() { return effort_; }
+
+ private:
+  void update_from_velocity(Fields& fields, const std::vector<double>& base_velocity,
+                            const std::vector<double>& base_displacement) const;
+  void solve_stage(Fields& fields, const std::vector<double>& base_velocity,
+                   const std::vector<double>& base_displacement);
+  void linearize(const Fields& fields);
+
+  FluidStructure& system_;
+  const MeshMotion& motion_;
+  NewtonSettings newton_;
+  StageWeights weights_;
+  double matrix_c_ = 0.0;      ///< the c that the matrix was made for; 0: none
+  double contraction_ = 1.0;   ///< of the last stage
+  double speed_scale_ = 0.0;
+  double displacement_error_ = 0.0;
+  mutable Effort effort_;
+};
+
+}  // namespace sprung::reference
