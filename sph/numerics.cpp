@@ -36,7 +36,7 @@ Numerics recommended() {
           .pressure_solver = PressureSolverKind::two_level,
           .bonds = Bonds::isotropic,
           .surface_correction = true,
-          .area_stiffness = 30.0,
+          .area_stiffness = 300.0,
           .spring_integration = SpringIntegration::implicit_force,
           .courant = 0.25};
 }
