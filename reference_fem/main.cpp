@@ -7,7 +7,7 @@
 ///   +------------------+-+----------------------+      4  measure and record (measurements.hpp)
 ///                                                      5  say how good the answer is (convergence.hpp)
 
-#include "reference_fem/simulation.hpp"
+#include "reference_fem/convergence.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -31,10 +31,16 @@ void declare(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(1, 256));
   app.add_flag("--resume", a.options.resume, "continue from the last checkpoint, if there is one");
   app.add_flag("--overwrite", a.options.overwrite, "replace a record that stands in --out");
+  app.add_flag("--converge", a.converge,
+               "also run coarser and finer meshes and steps, and write the reference's own error bar");
   app.add_option("--until", a.options.until, "pause at this time (s) and leave a checkpoint");
 }
 
 int work(const Arguments& a) {
+  if (a.converge) {
+    reference::run_convergence(a.scene, a.overrides, a.options);
+    return 0;
+  }
   Document document(a.scene, a.overrides);
   const Problem problem = read_problem(document);
   const reference::Settings settings = reference::read_settings(document, problem);

@@ -14,6 +14,7 @@ struct Sample {
   Matrix2 f = {1, 0, 0, 1};
   Matrix2 grad_v{};  ///< d v_i / d X_K
   Vec2 v{};
+  double p = 0.0;
 };
 
 Sample sample(const Space& space, const Fields& fields, int cell, int q) {
@@ -30,6 +31,9 @@ Sample sample(const Space& space, const Fields& fields, int cell, int q) {
       s.v[i] += space.value(q)[a] * fields.velocity[n + i];
     }
   }
+  const int np = space.pressures_per_cell();
+  for (int m = 0; m < np; ++m)
+    s.p += space.pressure_value(cell)[q * np + m] * fields.pressure[static_cast<std::size_t>(cell * np + m)];
   return s;
 }
 
@@ -57,10 +61,8 @@ void add_fluid(const FluidStructure& system, const Sample& s, double w, Balance&
 
 void add_solid(const Material& material, const Sample& s, double w, Balance& sum) {
   sum.kinetic_solid += w * 0.5 * material.density * (s.v[0] * s.v[0] + s.v[1] * s.v[1]);
-  const double strain = material.volume_strain(s.f);
-  sum.elastic += w * material.shape_energy(s.f);
-  // Where lambda is infinite the strain is nought but for the solver's error: no energy in it.
-  if (std::isfinite(material.lame)) sum.elastic += w * 0.5 * material.lame * strain * strain;
+  // Of the volume strain only the part that the pressure sees stores energy: lambda/2 (p/lambda)^2.
+  sum.elastic += w * (material.shape_energy(s.f) + 0.5 * s.p * s.p / material.lame);
   sum.solid_area += w * determinant(s.f);
   sum.solid_area_at_rest += w;
   const auto [least, most] = principal_stretches(s.f);
@@ -166,8 +168,8 @@ Measurements::Measurements(const FluidStructure& system, RecordWriter& record)
                                            {"smallest_volume_ratio", "1"}});
 }
 
-void Measurements::each_step(const State& state, const StageWeights& weights, double time_step,
-                             long iterations) {
+void Measurements::each_step(const State& state, const StageWeights& weights,
+                             const StepReport& step) {
   const Problem& problem = system_.problem();
   const double t = state.time;
   for (std::size_t i = 0; i < displacement_places_.size(); ++i) {
@@ -182,7 +184,8 @@ void Measurements::each_step(const State& state, const StageWeights& weights, do
   const Balance b = balance(system_, state.now, weights);
   const double half = 0.5 * (t - time_);
   excess_ += half * (excess_rate_ + b.outflow - b.inflow);
-  work_ += half * (power_ + b.power);
+  // The pressure, and the power with it, jumps with the rate of the inflow: then only its new value counts.
+  work_ += half * ((step.from_kink ? b.power : power_) + b.power);
   dissipated_ += half * (dissipation_ + b.dissipation);
   time_ = t, excess_rate_ = b.outflow - b.inflow, power_ = b.power, dissipation_ = b.dissipation;
   record_.append("ledger_mass", std::array{t, b.inflow, b.outflow, excess_});
@@ -194,7 +197,8 @@ void Measurements::each_step(const State& state, const StageWeights& weights, do
                                               b.max_stretch});
   record_.append("ledger_divergence", std::array{t, b.rms_divergence});
   record_.append("ledger_solver",
-                 std::array{t, time_step, static_cast<double>(iterations), b.smallest_volume_ratio});
+                 std::array{t, step.time_step, static_cast<double>(step.iterations),
+                            b.smallest_volume_ratio});
 }
 
 void Measurements::at(double time, const State& state) {

@@ -21,11 +21,18 @@ struct Balance {
 
 Balance balance(const FluidStructure& system, const Fields& fields, const StageWeights& weights);
 
+/// What a step was.
+struct StepReport {
+  double time_step = 0.0;  ///< s
+  long iterations = 0;
+  bool from_kink = false;  ///< the boundary values' rates jumped where it began
+};
+
 class Measurements {
  public:
   Measurements(const FluidStructure& system, RecordWriter& record);
-  /// A row of every series. `slope_known` is false at the very start, where forces are not defined.
-  void each_step(const State& state, const StageWeights& weights, double time_step, long iterations);
+  /// A row of every series; at the very start, where forces are not defined, of displacements only.
+  void each_step(const State& state, const StageWeights& weights, const StepReport& step);
   /// Profiles and outlines due at `time`, and a snapshot of the fields.
   void at(double time, const State& state);
   void save(Archive& archive) const;

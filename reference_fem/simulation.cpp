@@ -80,9 +80,10 @@ void Simulation::advance(double event) {
   const double left = event - state_.time;
   const double count = std::max(1.0, std::ceil(left / wanted_step_ - 1e-6));
   const double step = left / count;
+  const long iterations = integration_->effort().iterations;
   integration_->step(state_, scheme, step);
   if (count == 1.0) state_.time = event;
-  last_step_ = step;
+  last_step_ = {step, integration_->effort().iterations - iterations, kink};
   choose_next_step(step);
 }
 
@@ -109,7 +110,6 @@ void Simulation::save(Archive& archive) const {
                                          state_.has_before ? 1.0 : 0.0,
                                          state_.before_time,
                                          wanted_step_,
-                                         last_step_,
                                          integration_->speed_scale()};
   const Effort& effort = integration_->effort();
   archive["effort"] = std::vector<std::int64_t>{effort.steps, effort.stages, effort.iterations,
@@ -136,8 +136,7 @@ void Simulation::restore(const Archive& archive) {
   state_.has_before = clock.at(2) != 0.0;
   state_.before_time = clock.at(3);
   wanted_step_ = clock.at(4);
-  last_step_ = clock.at(5);
-  integration_->set_speed_scale(clock.at(6));
+  integration_->set_speed_scale(clock.at(5));
   const auto& effort = std::get<std::vector<std::int64_t>>(archive.at("effort"));
   Effort& mine = integration_->effort();
   mine.steps = effort.at(0), mine.stages = effort.at(1);
@@ -214,7 +213,6 @@ std::string march(Simulation& simulation, Measurements& measurements, RecordWrit
   for (double event : simulation.events()) {
     event = std::min(event, end);
     while (state.time < event && !same(state.time, event)) {
-      const long before = effort.iterations;
       try {
         simulation.advance(event);
       } catch (const std::runtime_error& error) {
@@ -224,10 +222,10 @@ std::string march(Simulation& simulation, Measurements& measurements, RecordWrit
                            state.time, simulation.settings().time_step, error.what());
       }
       const Stopwatch watch(effort, "output");
-      measurements.each_step(state, simulation.integration().weights(), simulation.time_step(),
-                             effort.iterations - before);
-      progress.advance(state.time, fmt::format("dt {:.3g} ms, {} iterations", 1e3 * simulation.time_step(),
-                                               effort.iterations - before));
+      const StepReport& step = simulation.last_step();
+      measurements.each_step(state, simulation.integration().weights(), step);
+      progress.advance(state.time,
+                       fmt::format("dt {:.3g} ms, {} iterations", 1e3 * step.time_step, step.iterations));
     }
     const Stopwatch watch(effort, "output");
     const auto& wanted = simulation.problem().probes.all_times;
@@ -261,7 +259,7 @@ Outcome run(const Document& document, const Problem& problem, const Settings& se
   if (go_on)
     measurements.restore(archive);
   else
-    measurements.each_step(simulation.state(), {}, 0.0, 0);
+    measurements.each_step(simulation.state(), {}, {});
   write_numbers(simulation, record);
   const std::string stopped = march(simulation, measurements, record, options);
   write_numbers(simulation, record);

@@ -37,7 +37,8 @@ class Simulation {
   FluidStructure& system() { return *system_; }
   TimeIntegration& integration() { return *integration_; }
   State& state() { return state_; }
-  double time_step() const { return last_step_; }
+  /// The last step taken.
+  const StepReport& last_step() const { return last_step_; }
 
   /// One step towards `event`, which it does not pass. The kinks of the inflow are events, too.
   void advance(double event);
@@ -62,7 +63,7 @@ class Simulation {
   std::unique_ptr<TimeIntegration> integration_;
   State state_;
   double wanted_step_ = 0.0;
-  double last_step_ = 0.0;
+  StepReport last_step_;
   double body_size_ = 0.0;
 };
 
