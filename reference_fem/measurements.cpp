@@ -184,8 +184,9 @@ void Measurements::each_step(const State& state, const StageWeights& weights,
   const Balance b = balance(system_, state.now, weights);
   const double half = 0.5 * (t - time_);
   excess_ += half * (excess_rate_ + b.outflow - b.inflow);
-  // The pressure, and the power with it, jumps with the rate of the inflow: then only its new value counts.
-  work_ += half * ((step.from_kink ? b.power : power_) + b.power);
+  // The pressure jumps with the rate of the inflow, and the power with it unless all is at rest: then only its
+  // new value counts.
+  work_ += half * ((step.from_kink && work_ != 0.0 ? b.power : power_) + b.power);
   dissipated_ += half * (dissipation_ + b.dissipation);
   time_ = t, excess_rate_ = b.outflow - b.inflow, power_ = b.power, dissipation_ = b.dissipation;
   record_.append("ledger_mass", std::array{t, b.inflow, b.outflow, excess_});

@@ -16,6 +16,7 @@ namespace sprung::reference {
 namespace {
 
 constexpr double same_time = 1e-9;
+constexpr int max_halvings = 4;  // of a step that Newton's method or the mesh could not take
 
 bool same(double a, double b) { return std::abs(a - b) < same_time * (1.0 + std::abs(b)); }
 
@@ -77,18 +78,33 @@ void Simulation::advance(double event) {
     wanted_step_ = settings_.time_step;
   }
   const TimeScheme& scheme = state_.slope_known ? settings_.scheme : settings_.starter;
-  const double left = event - state_.time;
-  const double count = std::max(1.0, std::ceil(left / wanted_step_ - 1e-6));
-  const double step = left / count;
   const long iterations = integration_->effort().iterations;
-  integration_->step(state_, scheme, step);
-  if (count == 1.0) state_.time = event;
-  last_step_ = {step, integration_->effort().iterations - iterations, kink};
-  choose_next_step(step);
+  const double left = event - state_.time;
+  for (int attempt = 0;; ++attempt) {
+    const double count = std::max(1.0, std::ceil(left / wanted_step_ - 1e-6));
+    const double step = left / count;
+    try {
+      integration_->step(state_, scheme, step);
+    } catch (const std::runtime_error&) {
+      // The state is as it was: half the step may do.
+      if (attempt == max_halvings) throw;
+      wanted_step_ = 0.5 * step;
+      integration_->forget_matrix();
+      continue;
+    }
+    if (count == 1.0) state_.time = event;
+    last_step_ = {step, integration_->effort().iterations - iterations, kink};
+    choose_next_step(step);
+    return;
+  }
 }
 
 void Simulation::choose_next_step(double tried) {
   const double size = body_size_ > 0.0 ? body_size_ : problem_.channel.to[1] - problem_.channel.from[1];
+  if (wanted_step_ < settings_.time_step) {
+    wanted_step_ = std::min(settings_.time_step, 2.0 * wanted_step_);
+    return;
+  }
   const double error = integration_->displacement_error() / size;
   if (error > settings_.step_tolerance)
     wanted_step_ = std::max(settings_.time_step, 0.5 * wanted_step_);

@@ -8,10 +8,14 @@
 namespace sprung::reference {
 namespace {
 
+/// Largest magnitude; not finite if any entry is not.
 double largest(const std::vector<double>& x) {
-  double m = 0.0;
-  for (const double value : x) m = std::max(m, std::abs(value));
-  return m;
+  double m = 0.0, sum = 0.0;
+  for (const double value : x) {
+    m = std::max(m, std::abs(value));
+    sum += 0.0 * value;
+  }
+  return m + sum;
 }
 
 void add(std::vector<double>& y, double factor, const std::vector<double>& x) {
@@ -82,7 +86,7 @@ void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& bas
     ++effort_.iterations;
     add(fields.velocity, 1.0, velocity_step);
     add(fields.pressure, 1.0, pressure_step);
-    const double change = largest(velocity_step);
+    const double change = largest(velocity_step) + 0.0 * largest(pressure_step);
     if (!std::isfinite(change)) throw std::runtime_error("Newton's method met a value that is not finite");
     speed_scale_ = std::max(speed_scale_, largest(fields.velocity));
     const double theta = previous > 0.0 ? change / previous : 0.0;
@@ -92,7 +96,8 @@ void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& bas
       update_from_velocity(fields, base_velocity, base_displacement);
       return;
     }
-    if (previous > 0.0 && theta > newton_.slow && !fresh) {
+    // A matrix made in this stage is made again only if the iteration all but stands still with it.
+    if (previous > 0.0 && theta > (fresh ? 0.8 : newton_.slow)) {
       update_from_velocity(fields, base_velocity, base_displacement);
       linearize(fields);
       fresh = true;
