@@ -53,7 +53,6 @@ Simulation<dim>::Simulation(Numerics numerics, Particles<dim> particles,
       solver_(make_solver(numerics_.pressure_solver)) {
   // The Kernel above reads `particles.spacing`, a plain number that survives the move.
   const LatticeSums sums = lattice_sums(state_.kernel, state_.particles.spacing);
-  lattice_partition_ = sums.partition;
   if (numerics_.normalised_gradient) state_.kernel.normalise_gradient(sums.gradient);
 }
 
@@ -69,6 +68,9 @@ void Simulation<dim>::start(double velocity_scale, double fixed_time_step) {
     box_low_ = box_low_.cwiseMin(x);
     box_high_ = box_high_.cwiseMax(x);
   }
+  for (const auto& side : inflow_) open_planes_.push_back(side.plane());
+  for (const auto& side : outflow_) open_planes_.push_back(side.plane());
+  whole_count_ = static_cast<double>(particles.unknowns);
   sort_by_role(particles, std::vector<bool>(particles.size(), false),
                state_.kernel.support_radius());
   build_support();
@@ -138,6 +140,22 @@ void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
   }
 }
 
+/// Number of particles inside the domain; one that straddles an open side counts by the part of its cell that
+/// lies inside, so that a lattice passing through changes nothing.
+template <int dim>
+double Simulation<dim>::particles_inside() const {
+  const auto& particles = state_.particles;
+  const double dx = particles.spacing;
+  double count = 0.0;
+  for (const auto& x : particles.position) {
+    double inside = 1.0;
+    for (const auto& plane : open_planes_)
+      inside *= std::clamp(0.5 - plane.depth(x) / dx, 0.0, 1.0);
+    count += inside;
+  }
+  return count;
+}
+
 template <int dim>
 void Simulation<dim>::solve_pressure() {
   auto& particles = state_.particles;
@@ -150,8 +168,13 @@ void Simulation<dim>::solve_pressure() {
     // Inside a body whose cells keep their own area the feedback would constrain twice.
     const std::size_t first = numerics_.area_stiffness > 0.0 ? particles.solids : 0;
     const auto& partition = state_.support.partition();
-    for (std::size_t i = first; i < n; ++i)
-      source_[i] += rate * (lattice_partition_ / partition[i] - 1.0);
+    // The aim is the mean filling, set right by the number of particles that the domain should hold. The
+    // lattice's own sum would not do: a disordered fluid of the same density has a larger one (by 0.2 % at
+    // h = 1.3 dx), and feedback towards the lattice's would blow it up by as much.
+    double aim = 0.0;
+    for (std::size_t i = first; i < n; ++i) aim += 1.0 / partition[i];
+    aim = static_cast<double>(n - first) / aim * whole_count_ / particles_inside();
+    for (std::size_t i = first; i < n; ++i) source_[i] += rate * (aim / partition[i] - 1.0);
     for (std::size_t i = 0; i < n; ++i)
       source_[i] = source_[i] / state_.clock.time_step + matrix_.boundary_source()[i];
     if (matrix_.singular()) {

@@ -79,6 +79,7 @@ class Simulation {
  private:
   void divergence(const std::vector<Vector<dim>>& velocity, std::vector<double>& result);
   void build_support();
+  double particles_inside() const;
 
   Numerics numerics_;
   State<dim> state_;
@@ -92,7 +93,8 @@ class Simulation {
   double velocity_scale_ = 0.0;
   double fixed_time_step_ = 0.0;
   double stop_at_ = std::numeric_limits<double>::infinity();
-  double lattice_partition_ = 1.0;
+  std::vector<OpenPlane<dim>> open_planes_;
+  double whole_count_ = 0.0;  ///< particles that the domain holds at the fluid's density
   Vector<dim> box_low_, box_high_;
   std::array<double, action_count> seconds_{};
 

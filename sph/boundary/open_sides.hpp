@@ -44,6 +44,7 @@ class InflowSide {
   bool upstream(const Vector<dim>& x) const { return plane_.depth(x) > 0.0; }
   /// Volume flux into the domain, m2/s (m3/s in space), at time t.
   double flux(double time) const;
+  const OpenPlane<dim>& plane() const { return plane_; }
 
  private:
   Inflow inflow_;

@@ -14,7 +14,14 @@ void add_viscosity(ParticleScene<dim>& scene, const ModulusTable&) {
   if (!scene.problem.viscosity) return;
   auto& simulation = *scene.simulation;
   const double nu = scene.problem.viscosity->dynamic / scene.problem.density;
-  auto effect = std::make_unique<ViscosityEffect<dim>>(nu, simulation.state().particles);
+  std::shared_ptr<SolidSurface<dim>> surface;
+  if (!scene.bodies.empty() && !getenv("NOSURF")) {
+    std::vector<typename SolidSurface<dim>::Body> bodies;
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b)
+      bodies.push_back({scene.problem.solids[b], scene.bodies[b].first, scene.bodies[b].last});
+    surface = std::make_shared<SolidSurface<dim>>(bodies, simulation.state().particles);
+  }
+  auto effect = std::make_unique<ViscosityEffect<dim>>(nu, simulation.state().particles, surface);
   simulation.effects().limits.push_back(effect.get());
   simulation.effects().diffusion.push_back(std::move(effect));
   scene.effects.push_back(fmt::format("viscosity: the scene has [viscosity], nu = {:.3g} m2/s", nu));

@@ -3,8 +3,9 @@
 namespace sprung::sph {
 
 template <int dim>
-ViscosityEffect<dim>::ViscosityEffect(double kinematic_viscosity, Particles<dim>& particles)
-    : nu_(kinematic_viscosity), previous_diffusion_(particles.size(), Vector<dim>::Zero()) {
+ViscosityEffect<dim>::ViscosityEffect(double kinematic_viscosity, Particles<dim>& particles,
+                                      std::shared_ptr<SolidSurface<dim>> surface)
+    : nu_(kinematic_viscosity), surface_(std::move(surface)), previous_diffusion_(particles.size(), Vector<dim>::Zero()) {
   particles.carried.push_back({"previous_diffusion", &previous_diffusion_});
 }
 
@@ -22,6 +23,7 @@ void ViscosityEffect<dim>::add_acceleration(const State<dim>& state,
   // (x_i - x_j) . grad W / d^2 = F, so Eq. 2's D_i = -sum V 2 nu F (u_i - u_j); equal densities.
   const double scale = -2.0 * nu_ * particles.volume;
   const std::size_t n = particles.unknowns;
+  if (surface_) surface_->update(state);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
     const auto neighbours = state.support.of(i);
@@ -29,10 +31,29 @@ void ViscosityEffect<dim>::add_acceleration(const State<dim>& state,
     Vector<dim> sum = Vector<dim>::Zero();
     for (std::size_t k = 0; k < neighbours.index.size(); ++k)
       sum += neighbours.gradient_factor[k] * (u_i - extended_velocity_[neighbours.index[k]]);
+    if (surface_) sum += beyond_surface(state, i, neighbours);
     const Vector<dim> diffusion = scale * sum;
     acceleration[i] -= now * diffusion - before * previous_diffusion_[i];
     previous_diffusion_[i] = diffusion;
   }
+}
+
+/// What the pairs across a body's surface lack when the solid particle's own velocity is taken at its place.
+template <int dim>
+Vector<dim> ViscosityEffect<dim>::beyond_surface(const State<dim>& state, std::size_t i,
+                                                 const typename Support<dim>::Neighbours& near) const {
+  const auto& particles = state.particles;
+  const auto& points = state.images.points();
+  const bool solid = i < particles.solids;
+  Vector<dim> sum = Vector<dim>::Zero();
+  for (std::size_t k = 0; k < near.index.size(); ++k) {
+    const auto j = static_cast<std::size_t>(near.index[k]);
+    if (j >= particles.unknowns || (j < particles.solids) == solid) continue;
+    const std::size_t f = solid ? j : i, s = solid ? i : j;
+    const double more = surface_->reach(f, points[f] - points[s]) - 1.0;
+    sum += more * near.gradient_factor[k] * (extended_velocity_[i] - extended_velocity_[j]);
+  }
+  return sum;
 }
 
 template <int dim>
