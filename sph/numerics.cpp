@@ -18,6 +18,7 @@ Numerics paper() {
           .pressure_tolerance = 1e-6,
           .pressure_solver = PressureSolverKind::bicgstab,
           .bonds = Bonds::equal,
+          .solid_no_slip = SolidNoSlip::centres,
           .surface_correction = false,
           .area_stiffness = 0.0,
           .spring_integration = SpringIntegration::explicit_force,
@@ -35,6 +36,7 @@ Numerics recommended() {
           .pressure_tolerance = 1e-3,
           .pressure_solver = PressureSolverKind::two_level,
           .bonds = Bonds::isotropic,
+          .solid_no_slip = SolidNoSlip::face,
           .surface_correction = true,
           .area_stiffness = 300.0,
           .spring_integration = SpringIntegration::implicit_force,
@@ -59,8 +61,8 @@ void read_positive(const Table& table, const std::string& key, double low, doubl
 
 }  // namespace
 
-Numerics read_numerics(const Document& document) {
-  const Table table = document.table("numerics");
+Numerics read_numerics(Document& document) {
+  const Table table = document.table_or_new("numerics");
   Numerics n = table.word_or("preset", {"recommended", "paper"}, "recommended") == "paper"
                    ? paper()
                    : recommended();
@@ -73,6 +75,7 @@ Numerics read_numerics(const Document& document) {
   read_positive(table, "pressure_tolerance", 1e-14, 0.5, n.pressure_tolerance);
   choose(table, "pressure_solver", {"bicgstab", "two_level"}, n.pressure_solver);
   choose(table, "bonds", {"equal", "isotropic"}, n.bonds);
+  choose(table, "solid_no_slip", {"centres", "face"}, n.solid_no_slip);
   n.surface_correction = table.flag_or("surface_correction", n.surface_correction);
   read_positive(table, "area_stiffness", 0.0, 1e4, n.area_stiffness);
   choose(table, "spring_integration", {"explicit", "implicit"}, n.spring_integration);

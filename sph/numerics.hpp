@@ -18,6 +18,11 @@ enum class Bonds {
   isotropic,  ///< weights by shell so that the lattice is elastically isotropic
 };
 enum class Shifting { none, xu };
+/// Where the velocity of a body meets the fluid's.
+enum class SolidNoSlip {
+  centres,  ///< at the outer particles' centres, half a spacing inside the body: Eq. 2 as printed
+  face,     ///< at the body's face
+};
 enum class PressureSolverKind { bicgstab, two_level };
 
 struct Numerics {
@@ -27,12 +32,13 @@ struct Numerics {
   PositionUpdate position_update{};
   Shifting shifting{};
   double shifting_coefficient = 0.0;    ///< C of Xu, Stansby & Laurence 2009
-  /// Rate (1/s per (m/s)/m) at which a wrong particle density is corrected: beta of method section 2 per
-  /// CFL time; the source of Eq. 3 gets rate (S0/S - 1) with rate = density_feedback u_ref / spacing.
+  /// A wrong particle density is corrected at the rate density_feedback x velocity scale / spacing (1/s): the
+  /// source of Eq. 3 gets rate (S0/S - 1), S the kernel sum and S0 its aim. 0: none.
   double density_feedback = 0.0;
   double pressure_tolerance = 0.0;
   PressureSolverKind pressure_solver{};
   Bonds bonds{};
+  SolidNoSlip solid_no_slip{};
   bool surface_correction = false;      ///< bond weights as quadrature over the true body
   double area_stiffness = 0.0;          ///< kappa: area springs of modulus kappa G; 0: none
   SpringIntegration spring_integration{};
@@ -40,6 +46,6 @@ struct Numerics {
 };
 
 /// Reads [numerics]; keys that are absent take the preset's value, which is written into the record.
-Numerics read_numerics(const Document& document);
+Numerics read_numerics(Document& document);
 
 }  // namespace sprung::sph

@@ -49,9 +49,8 @@ Simulation<dim>::Simulation(Numerics numerics, Particles<dim> particles,
                             std::vector<Wall<dim>> walls)
     : numerics_(std::move(numerics)),
       state_{std::move(particles), Images<dim>(std::move(walls)), {},
-             Kernel<dim>(numerics_.smoothing_length_ratio * particles.spacing), {}},
+             Kernel<dim>(numerics_.smoothing_length_ratio * state_.particles.spacing), {}},
       solver_(make_solver(numerics_.pressure_solver)) {
-  // The Kernel above reads `particles.spacing`, a plain number that survives the move.
   const LatticeSums sums = lattice_sums(state_.kernel, state_.particles.spacing);
   if (numerics_.normalised_gradient) state_.kernel.normalise_gradient(sums.gradient);
 }

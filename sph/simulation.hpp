@@ -102,7 +102,6 @@ class Simulation {
   std::vector<Vector<dim>> displacement_;
   std::vector<Vector<dim>> extended_velocity_;
   std::vector<double> source_;
-  std::vector<double> psi_extended_;
   std::vector<std::int32_t> cell_of_;
 };
 

@@ -6,8 +6,10 @@
 namespace sprung::sph {
 
 namespace {
-static const double G = getenv("GG") ? atof(getenv("GG")) : 0.5;
-static const double A = getenv("AL") ? atof(getenv("AL")) : 0.1;
+/// g and a of the implicit step; see add_acceleration.
+constexpr double implicit_weight = 0.5;
+constexpr double implicit_damping = 0.1;
+
 
 template <int dim>
 using Block = Eigen::Matrix<double, dim, dim>;
@@ -133,7 +135,7 @@ void ElasticSolid<dim>::implicit_acceleration(const State<dim>& state) {
   elastic_forces(network_, position, force_);
   assemble_tangent(position);
   const double dt = state.clock.time_step;
-  system_ = G * dt * dt * tangent_;
+  system_ = implicit_weight * dt * dt * tangent_;
   for (std::size_t i = 0; i < n * dim; ++i) system_.coeffRef(i, i) += mass_;
   if (!analysed_) {
     factor_.analyzePattern(system_);
@@ -149,7 +151,7 @@ void ElasticSolid<dim>::implicit_acceleration(const State<dim>& state) {
     right.template segment<dim>(i * dim) = force_[i];
   }
   const Eigen::VectorXd ahead = tangent_.template selfadjointView<Eigen::Lower>() * velocity;
-  right -= A * dt * ahead;
+  right -= implicit_damping * dt * ahead;
   const Eigen::VectorXd a = factor_.solve(right);
   for (std::size_t i = 0; i < n; ++i) spring_acceleration_[i] = a.template segment<dim>(i * dim);
 }

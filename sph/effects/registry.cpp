@@ -15,7 +15,7 @@ void add_viscosity(ParticleScene<dim>& scene, const ModulusTable&) {
   auto& simulation = *scene.simulation;
   const double nu = scene.problem.viscosity->dynamic / scene.problem.density;
   std::shared_ptr<SolidSurface<dim>> surface;
-  if (!scene.bodies.empty() && !getenv("NOSURF")) {
+  if (!scene.bodies.empty() && simulation.numerics().solid_no_slip == SolidNoSlip::face) {
     std::vector<typename SolidSurface<dim>::Body> bodies;
     for (std::size_t b = 0; b < scene.bodies.size(); ++b)
       bodies.push_back({scene.problem.solids[b], scene.bodies[b].first, scene.bodies[b].last});

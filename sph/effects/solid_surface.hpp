@@ -18,7 +18,7 @@ class SolidSurface {
     Solid shape;
     std::size_t first, last;
   };
-  SolidSurface(std::vector<Body> bodies, const Particles<dim>& particles);
+  SolidSurface(const std::vector<Body>& bodies, const Particles<dim>& particles);
 
   /// Finds normals and distances for the present positions.
   void update(const State<dim>& state);
@@ -30,17 +30,20 @@ class SolidSurface {
   double reach(std::size_t fluid, const Vector<dim>& from_solid) const {
     return std::clamp(from_solid.dot(normal_[fluid]) / distance_[fluid], 1.0, 5.0);
   }
-  const Vector<dim>& normal(std::size_t fluid) const { return normal_[fluid]; }
 
  private:
   /// Distances from a solid particle to the free faces of its body at rest.
   struct Depth {
     std::array<double, 2 * dim> to_face;  ///< order of Side; infinite where the face is clamped
   };
-  double depth_along(std::size_t solid, const Vector<dim>& normal) const;
+  using Rotation = Eigen::Matrix<double, dim, dim>;
+  Rotation rotation_of(std::size_t solid, const std::vector<Vector<dim>>& position) const;
+  double depth_along(std::size_t solid, const Vector<dim>& rest_normal) const;
 
-  std::vector<Body> bodies_;
   std::vector<Depth> depth_;
+  std::vector<Vector<dim>> reference_;
+  std::vector<std::vector<std::int32_t>> near_at_rest_;
+  std::vector<Rotation> rotation_;
   std::vector<Vector<dim>> normal_;
   std::vector<double> distance_;
 };

@@ -4,7 +4,6 @@
 #include "sph/effects/roles.hpp"
 #include "sph/effects/solid_surface.hpp"
 
-#include <algorithm>
 #include <memory>
 
 namespace sprung::sph {
