@@ -10,7 +10,6 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <iostream>
-#include <nlohmann/json.hpp>
 
 #include "validation/comparison_files.hpp"
 
@@ -34,9 +33,11 @@ void print_plan(const Acceptance& acceptance) {
 /// What the manifest says that lowers the worth of a comparison.
 void add_doubts(const std::string& name, const RecordReader& record,
                 std::vector<std::string>& doubts) {
-  const auto manifest = nlohmann::json::parse(record.manifest());
-  if (manifest.contains("clean") && manifest["clean"] == false) {
+  const std::string clean = record.manifest_text("clean");
+  if (clean == "no") {
     doubts.push_back(name + " was made by a program with changes that were not committed");
+  } else if (clean != "yes") {
+    doubts.push_back(name + " does not say from which commit its program was built");
   }
 }
 

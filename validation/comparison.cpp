@@ -31,7 +31,13 @@ struct Pair {
 
 std::optional<double> nearest_time(const RecordReader& record, const std::string& table,
                                    double time) {
-  for (const double t : record.table_times(table)) {
+  std::vector<double> times;
+  try {
+    times = record.table_times(table);
+  } catch (const std::runtime_error&) {
+    return std::nullopt;  // a run that stopped before the first of them
+  }
+  for (const double t : times) {
     if (std::abs(t - time) < same_time) return t;
   }
   return std::nullopt;
@@ -429,8 +435,12 @@ void compare_balances(const Pair& pair, std::vector<Measurement>& out) {
   const auto grown = reduced(record, "ledger_mass", "particles", gain);
   const auto created = reduced(record, "ledger_mass", "created", gain);
   const auto removed = reduced(record, "ledger_mass", "removed", gain);
+  const auto counted =
+      reduced(record, "ledger_mass", "lost", [](const std::vector<double>& v) { return v.back(); });
   std::optional<double> lost;
-  if (grown && created && removed) lost = *created - *removed - *grown;
+  if (grown && created && removed && counted) {
+    lost = *counted + std::abs(*created - *removed - *grown);
+  }
   out.push_back(from_ledgers("lost_particles", "ledger_mass", lost, std::nullopt));
 }
 

@@ -53,9 +53,9 @@ constexpr std::array<Measure, 24> all_measures{{
     {"particle_drift", "1", false,
      "largest change of the number of particles over the run, over the number at the start"},
     {"lost_particles", "1", false,
-     "particles at the start, plus those created at inlets, less those removed at outlets, less "
-     "those "
-     "there at the end"},
+     "particles that the run itself counts as lost (gone through no outlet), plus any that its "
+     "books "
+     "(start + created - removed - end) do not account for"},
     {"divergence_rms", "1/s", false,
      "root mean square of the remaining divergence of velocity, averaged over the run"},
     {"solid_area_change", "1", false, "largest relative change of the solids' area over the run"},

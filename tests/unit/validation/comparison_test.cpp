@@ -97,7 +97,8 @@ TEST_F(ComparisonTest, FindsEachDeviation) {
   deviation.force_offset = 1.0;
   deviation.force_noise = 4.0;
   deviation.excess_outflow = 0.00054;
-  deviation.lost = 3;
+  deviation.lost = 2;
+  deviation.vanished = 1;
   const RunComparison comparison = compare_with(deviation);
 
   EXPECT_NEAR(*find(comparison, "velocity_difference", 1.0).value, 0.01, 1e-12);  // of 0.75 m/s
@@ -168,6 +169,15 @@ TEST_F(ComparisonTest, AStoppedRunIsNotAccepted) {
   // No excess up to 1.5 s says nothing about 3 s.
   EXPECT_EQ(find(comparison, "excess_outflow").verdict, Verdict::not_judged);
   EXPECT_FALSE(comparison.accepted());
+}
+
+TEST_F(ComparisonTest, ARunThatStoppedBeforeAnyTableIsStillCompared) {
+  Deviation deviation;
+  deviation.stops_at = 0.1;
+  deviation.outcome = "stopped: made up";
+  const RunComparison comparison = compare_with(deviation);
+  for (const Measurement& m : comparison.measurements) EXPECT_NE(m.verdict, Verdict::pass);
+  EXPECT_EQ(find(comparison, "velocity_difference", 0.2).verdict, Verdict::not_judged);
 }
 
 TEST_F(ComparisonTest, ARunWithoutLimitsIsReportedOnly) {

@@ -100,7 +100,8 @@ void write_series(RecordWriter& writer, const Deviation& deviation, double step,
   std::vector<Column> mass{
       {"time", "s"}, {"inflow", "m2/s"}, {"outflow", "m2/s"}, {"excess_outflow", "m2"}};
   if (particles) {
-    mass.insert(mass.end(), {{"particles", "1"}, {"created", "1"}, {"removed", "1"}});
+    mass.insert(mass.end(),
+                {{"particles", "1"}, {"created", "1"}, {"removed", "1"}, {"lost", "1"}});
   }
   writer.declare_series("ledger_mass", mass);
   writer.declare_series(
@@ -119,7 +120,9 @@ void write_series(RecordWriter& writer, const Deviation& deviation, double step,
     std::vector<double> row{t, flow, flow, deviation.excess_outflow * t / 3.0};
     if (particles) {
       const double through = std::floor(100.0 * t);
-      row.insert(row.end(), {19200.0 - (t >= 2.9 ? deviation.lost : 0), through, through});
+      const double lost = t >= 2.9 ? deviation.lost : 0.0;
+      const double vanished = t >= 2.9 ? deviation.vanished : 0.0;
+      row.insert(row.end(), {19200.0 - lost - vanished, through, through + lost, lost});
     }
     writer.append("ledger_mass", row);
     writer.append("ledger_energy",
@@ -158,7 +161,7 @@ bool in_beam(double x, double y) {
 
 void write_particles(RecordWriter& writer, double t, double amplitude) {
   constexpr double dx = 0.0075;
-  std::vector<double> position, velocity, pressure, solid;
+  std::vector<double> position, velocity, pressure, role;
   for (double y = 0.5 * dx; y < height; y += dx) {
     for (double x = 0.5 * dx; x < length; x += dx) {
       const bool beam = in_beam(x, y);
@@ -166,23 +169,23 @@ void write_particles(RecordWriter& writer, double t, double amplitude) {
       position.insert(position.end(), {moved[0], moved[1], 0.0});
       velocity.insert(velocity.end(), {beam ? 0.0 : streamwise(x, y, t), 0.0, 0.0});
       pressure.push_back(66.67 * (length - x) * ramp(t));
-      solid.push_back(beam ? 1.0 : 0.0);
+      role.push_back(beam ? 0.0 : 1.0);
     }
   }
   writer.write_points(t, position,
-                      {{"velocity", 3, velocity}, {"pressure", 1, pressure}, {"solid", 1, solid}});
+                      {{"velocity", 3, velocity}, {"pressure", 1, pressure}, {"role", 1, role}});
 }
 
 void write_cells(RecordWriter& writer, double t) {
   constexpr int columns = 90, rows = 30;
-  std::vector<double> position, velocity, solid;
+  std::vector<double> position, velocity, body;
   std::vector<std::int64_t> cells;
   for (int j = 0; j <= rows; ++j) {
     for (int i = 0; i <= columns; ++i) {
       const double x = length * i / columns, y = height * j / rows;
       position.insert(position.end(), {x, y, 0.0});
       velocity.insert(velocity.end(), {streamwise(x, y, t), 0.0, 0.0});
-      solid.push_back(in_beam(x, y) ? 1.0 : 0.0);
+      body.push_back(in_beam(x, y) ? 1.0 : 0.0);
     }
   }
   for (int j = 0; j < rows; ++j) {
@@ -191,7 +194,7 @@ void write_cells(RecordWriter& writer, double t) {
       cells.insert(cells.end(), {a, a + 1, a + columns + 2, a + columns + 1});
     }
   }
-  writer.write_mesh(t, position, 4, cells, {{"velocity", 3, velocity}, {"solid", 1, solid}});
+  writer.write_mesh(t, position, 4, cells, {{"velocity", 3, velocity}, {"body", 1, body}});
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ struct Deviation {
   double force_offset = 0.0;      ///< N/m, added to force_x
   double force_noise = 0.0;       ///< N/m, amplitude of a 200 Hz sine upon force_x
   double excess_outflow = 0.0;    ///< m2, reached at the end
-  int lost = 0;                   ///< particles gone by the end
+  int lost = 0;                   ///< particles that the run counts as lost by the end
+  int vanished = 0;               ///< particles gone by the end that no book mentions
   double stops_at = 3.0;          ///< s
   double youngs_modulus = 0.7e6;  ///< Pa, as the manifest's scene has it
   std::string outcome = "finished";
