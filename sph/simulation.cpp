@@ -52,6 +52,8 @@ Simulation<dim>::Simulation(Numerics numerics, Particles<dim> particles,
              Kernel<dim>(numerics_.smoothing_length_ratio * state_.particles.spacing), {}},
       solver_(make_solver(numerics_.pressure_solver)) {
   const LatticeSums sums = lattice_sums(state_.kernel, state_.particles.spacing);
+  full_weight_ = 2.0 * sums.gradient_weight;
+  if (numerics_.normalised_gradient) full_weight_ /= sums.gradient;
   if (numerics_.normalised_gradient) state_.kernel.normalise_gradient(sums.gradient);
 }
 
@@ -73,6 +75,7 @@ void Simulation<dim>::start(double velocity_scale, double fixed_time_step) {
   sort_by_role(particles, std::vector<bool>(particles.size(), false),
                state_.kernel.support_radius());
   build_support();
+  rest_partition_ = state_.support.partition();
 }
 
 template <int dim>
@@ -155,25 +158,39 @@ double Simulation<dim>::particles_inside() const {
   return count;
 }
 
+/// Eq. 3's source gets rate (S0/S - 1): the projection has no memory of volume, and what it leaves of the
+/// divergence would add up.
+template <int dim>
+void Simulation<dim>::add_density_feedback() {
+  const auto& particles = state_.particles;
+  const auto& partition = state_.support.partition();
+  const double rate = numerics_.density_feedback * velocity_scale_ / particles.spacing;
+  const std::size_t n = particles.unknowns;
+  if (rate == 0.0) return;
+  if (vacuum_) {
+    for (std::size_t i = 0; i < n; ++i) source_[i] += rate * (rest_partition_[i] / partition[i] - 1.0);
+    return;
+  }
+  // Inside a body whose cells keep their own area the feedback would constrain twice.
+  const std::size_t first = numerics_.area_stiffness > 0.0 ? particles.solids : 0;
+  // The aim is the mean filling, set right by the number of particles that the domain should hold. The
+  // lattice's own sum would not do: a disordered fluid of the same density has a larger one (by 0.2 % at
+  // h = 1.3 dx), and feedback towards the lattice's would blow it up by as much.
+  double aim = 0.0;
+  for (std::size_t i = first; i < n; ++i) aim += 1.0 / partition[i];
+  aim = static_cast<double>(n - first) / aim * whole_count_ / particles_inside();
+  for (std::size_t i = first; i < n; ++i) source_[i] += rate * (aim / partition[i] - 1.0);
+}
+
 template <int dim>
 void Simulation<dim>::solve_pressure() {
   auto& particles = state_.particles;
   const std::size_t n = particles.unknowns;
   {
     const Stopwatch watch(seconds_[std::size_t(Action::pressure_assembly)]);
-    matrix_.assemble(particles, state_.images, state_.support);
+    matrix_.assemble(particles, state_.images, state_.support, vacuum_ ? full_weight_ : 0.0);
     divergence(particles.predicted_velocity, source_);
-    const double rate = numerics_.density_feedback * velocity_scale_ / particles.spacing;
-    // Inside a body whose cells keep their own area the feedback would constrain twice.
-    const std::size_t first = numerics_.area_stiffness > 0.0 ? particles.solids : 0;
-    const auto& partition = state_.support.partition();
-    // The aim is the mean filling, set right by the number of particles that the domain should hold. The
-    // lattice's own sum would not do: a disordered fluid of the same density has a larger one (by 0.2 % at
-    // h = 1.3 dx), and feedback towards the lattice's would blow it up by as much.
-    double aim = 0.0;
-    for (std::size_t i = first; i < n; ++i) aim += 1.0 / partition[i];
-    aim = static_cast<double>(n - first) / aim * whole_count_ / particles_inside();
-    for (std::size_t i = first; i < n; ++i) source_[i] += rate * (aim / partition[i] - 1.0);
+    add_density_feedback();
     for (std::size_t i = 0; i < n; ++i)
       source_[i] = source_[i] / state_.clock.time_step + matrix_.boundary_source()[i];
     if (matrix_.singular()) {
@@ -219,12 +236,15 @@ void Simulation<dim>::correct_velocity() {
   for (std::size_t i = 0; i < n; ++i) {
     const auto neighbours = state_.support.of(i);
     Vector<dim> sum = Vector<dim>::Zero();
+    const double psi_i = particles.pseudo_pressure[i];
     for (std::size_t k = 0; k < neighbours.index.size(); ++k) {
       const std::int32_t j = neighbours.index[k];
       const std::int32_t s = state_.images.source(j);
       if (particles.role[s] == Role::inflow) continue;  // dpsi/dn = 0 there, as in the matrix
-      sum += neighbours.gradient_factor[k] *
-             (particles.pseudo_pressure[i] - particles.pseudo_pressure[s]) * (points[i] - points[j]);
+      // On a whole lattice the terms with psi_i add up to zero, those of missing neighbours (psi = 0) included.
+      const double difference =
+          vacuum_ ? -particles.pseudo_pressure[s] : psi_i - particles.pseudo_pressure[s];
+      sum += neighbours.gradient_factor[k] * difference * (points[i] - points[j]);
     }
     acceleration_[i] = -scale * sum;
   }

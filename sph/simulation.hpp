@@ -47,6 +47,10 @@ class Simulation {
   /// the CFL limit and the rate of the density feedback. `fixed_time_step`: 0 lets the limits decide.
   void start(double velocity_scale, double fixed_time_step);
 
+  /// A body in vacuum: its sides are free surfaces at zero pressure, and the density feedback aims at each
+  /// particle's own filling at rest. Called before start(); for tests of the material, not of a flow.
+  void stand_in_vacuum() { vacuum_ = true; }
+
   /// The largest step that every limit allows, and which limit that is.
   TimeStepChoice time_step_limit() const;
   /// Sets the next step; shortened so that `stop_at` (the next time at which someone looks) is met.
@@ -80,6 +84,7 @@ class Simulation {
   void divergence(const std::vector<Vector<dim>>& velocity, std::vector<double>& result);
   void build_support();
   double particles_inside() const;
+  void add_density_feedback();
 
   Numerics numerics_;
   State<dim> state_;
@@ -94,6 +99,9 @@ class Simulation {
   double fixed_time_step_ = 0.0;
   double stop_at_ = std::numeric_limits<double>::infinity();
   std::vector<OpenPlane<dim>> open_planes_;
+  bool vacuum_ = false;
+  double full_weight_ = 0.0;             ///< sum of a_ij on the whole lattice, for free surfaces
+  std::vector<double> rest_partition_;   ///< of each particle in vacuum
   double whole_count_ = 0.0;  ///< particles that the domain holds at the fluid's density
   Vector<dim> box_low_, box_high_;
   std::array<double, action_count> seconds_{};

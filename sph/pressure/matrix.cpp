@@ -4,7 +4,7 @@ namespace sprung::sph {
 
 template <int dim>
 void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>& images,
-                              const Support<dim>& support) {
+                              const Support<dim>& support, double full_weight) {
   const std::size_t n = particles.unknowns;
   first_.resize(n + 1);
   lower_.resize(n);
@@ -40,6 +40,10 @@ void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>
       column_[place] = j;
       value_[place] = a;
     }
+    if (diagonal < full_weight) {
+      diagonal = full_weight;
+      pinned = true;
+    }
     lower_[i] = static_cast<std::int32_t>(front - first_[i]);
     upper_[i] = static_cast<std::int32_t>(first_[i + 1] - back);
     diagonal_[i] = diagonal;
@@ -59,7 +63,7 @@ void PressureMatrix::multiply(std::span<const double> x, std::span<double> y) co
   }
 }
 
-template void PressureMatrix::assemble<2>(const Particles<2>&, const Images<2>&, const Support<2>&);
-template void PressureMatrix::assemble<3>(const Particles<3>&, const Images<3>&, const Support<3>&);
+template void PressureMatrix::assemble<2>(const Particles<2>&, const Images<2>&, const Support<2>&, double);
+template void PressureMatrix::assemble<3>(const Particles<3>&, const Images<3>&, const Support<3>&, double);
 
 }  // namespace sprung::sph

@@ -12,9 +12,11 @@ namespace sprung::sph {
 /// column bring their prescribed psi to the right side. Symmetric, since volumes are equal and walls flat.
 class PressureMatrix {
  public:
+  /// `full_weight` (1/m2): where neighbours are missing, sum_j a_ij is topped up to it with particles of zero
+  /// pressure, as at a free surface; 0 leaves the rows as they are.
   template <int dim>
   void assemble(const Particles<dim>& particles, const Images<dim>& images,
-                const Support<dim>& support);
+                const Support<dim>& support, double full_weight = 0.0);
 
   std::size_t rows() const { return diagonal_.size(); }
   /// True when no row has a prescribed pressure beside it: psi is known up to a constant only.
