@@ -8,12 +8,16 @@ from dataclasses import dataclass
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from matplotlib.ticker import MaxNLocator
 
 import style
 from record import Columns, Record, Snapshot
+
+
+SOLID = "#e8e4df"  # light: velocities near a body are low, hence dark
 
 
 @dataclass
@@ -58,10 +62,10 @@ def seconds(time: float) -> str:
 
 
 def solid_flag(snapshot: Snapshot) -> np.ndarray:
-    """True where a point belongs to a solid."""
-    if "solid" in snapshot.fields:
-        return snapshot.fields["solid"] > 0.5
-    return np.zeros(len(snapshot.positions), dtype=bool)
+    """True where a particle is solid: role 0 of the particle solver."""
+    if "role" not in snapshot.fields:
+        return np.zeros(len(snapshot.positions), dtype=bool)
+    return snapshot.fields["role"] < 0.5
 
 
 def _triangles(cells: np.ndarray) -> np.ndarray:
@@ -77,28 +81,23 @@ def _draw_mesh(axes, snapshot: Snapshot, outline: Columns | None, limits):
         vmin=limits[0], vmax=limits[1], cmap="viridis", rasterized=True,
     )
     if outline is not None:
-        axes.add_patch(Polygon(np.column_stack([outline["x"], outline["y"]]), color="#4d4d4d", lw=0))
+        axes.add_patch(Polygon(np.column_stack([outline["x"], outline["y"]]), color=SOLID, lw=0))
     return artist
 
 
-def _marker_area(axes, size: float) -> float:
-    """Area (points^2) of a marker `size` metres wide on these axes."""
-    axes.figure.canvas.draw()
-    pixels = axes.transData.transform([(0, 0), (size, 0)])
-    return float(((pixels[1, 0] - pixels[0, 0]) * 72.0 / axes.figure.dpi) ** 2)
-
-
-def _draw_particles(axes, snapshot: Snapshot, spacing: float, limits):
+def _draw_particles(axes, snapshot: Snapshot, spacing: float, limits) -> None:
     solid = solid_flag(snapshot)
     x, y = snapshot.positions[:, 0], snapshot.positions[:, 1]
-    # A little wider than the spacing, so that no white shows between particles a lattice apart.
-    area = 1.3 * _marker_area(axes, spacing)
-    artist = axes.scatter(
-        x[~solid], y[~solid], c=snapshot.fields["velocity"][~solid, 0], s=area, marker="o", linewidths=0,
-        vmin=limits[0], vmax=limits[1], cmap="viridis", rasterized=True,
-    )
-    axes.scatter(x[solid], y[solid], s=area, c="#4d4d4d", linewidths=0, rasterized=True)
-    return artist
+    # Drawn in metres, wider than the spacing: no white between fluid particles that stand in disorder.
+    for chosen, width, look in (
+        (~solid, 1.9, {"array": snapshot.fields["velocity"][~solid, 0], "cmap": "viridis", "clim": limits}),
+        (solid, 1.4, {"facecolor": SOLID}),
+    ):
+        size = np.full(int(chosen.sum()), width * spacing)
+        axes.add_collection(EllipseCollection(
+            size, size, np.zeros_like(size), units="xy", offsets=np.column_stack([x[chosen], y[chosen]]),
+            transOffset=axes.transData, linewidths=0, rasterized=True, **look,
+        ))
 
 
 def field(sides: Sides, time: float = 1.0) -> Picture | None:
@@ -111,17 +110,14 @@ def field(sides: Sides, time: float = 1.0) -> Picture | None:
     low, high = float(values[-1].min()), float(values[-1].max())
     limits = (np.floor(10 * low) / 10, np.ceil(10 * high) / 10)
     x0, y0, x1, y1 = sides.channel
-    columns = 2
-    rows = (len(panels) + columns - 1) // columns
-    height = 0.55 * style.WIDTH / columns * (y1 - y0) / (x1 - x0) * columns
+    height = 0.85 * style.WIDTH * (y1 - y0) / (x1 - x0) + 0.35
     figure, grid = plt.subplots(
-        rows, columns, figsize=(style.WIDTH, rows * height + 0.6), squeeze=False, layout="constrained"
+        len(panels), 1, figsize=(style.WIDTH, len(panels) * height), sharex=True, squeeze=False,
+        layout="constrained",
     )
-    for axes in grid.flat[len(panels):]:
-        axes.set_axis_off()
     artist = None
     for axes, (record, snapshot) in zip(grid.flat, panels):
-        axes.set(xlim=(x0, x1), ylim=(y0, y1), aspect="equal", xlabel="x [m]", ylabel="y [m]")
+        axes.set(xlim=(x0, x1), ylim=(y0, y1), aspect="equal", ylabel="y [m]")
         axes.grid(False)
         if snapshot.cells is not None:
             outline = next((record.table(n, time) for n in sides.probes["outline"]), None)
@@ -129,15 +125,27 @@ def field(sides: Sides, time: float = 1.0) -> Picture | None:
         else:
             _draw_particles(axes, snapshot, sides.spacing.get(record.label) or 0.004, limits)
         axes.set_title(title_of(record, sides))
-    figure.colorbar(artist, ax=grid, label="streamwise velocity [m/s]", extend="both", shrink=0.85, aspect=30)
+    grid[-1, 0].set_xlabel("x [m]")
+    figure.colorbar(artist, ax=grid, label="streamwise velocity [m/s]", extend="both", shrink=0.8, aspect=30,
+                    pad=0.01)
     names = ", ".join(title_of(r, sides) for r, _ in panels)
     return Picture(
         "field", figure,
         f"Streamwise velocity in the channel at {seconds(time)}, one panel each for {names}, on one colour "
-        f"scale from {limits[0]:g} to {limits[1]:g} m/s; solids in grey.",
+        f"scale from {limits[0]:g} to {limits[1]:g} m/s; solids light.",
         f"Streamwise velocity at {seconds(time)}, counterpart of the paper's Fig. 7. One colour scale, the "
-        "reference's range; arrows at its ends mark what lies beyond. Solids in grey.",
+        "reference's range; arrows at its ends mark what lies beyond. Solids light.",
     )
+
+
+def frame(axes, sides: Sides, curves: dict[str, np.ndarray]) -> None:
+    """Sets the height of the axes by the reference and the runs that finished (by label): one
+    that blew up leaves the picture instead of flattening everyone else."""
+    whole = [c for label, c in curves.items()
+             if label == "reference" or any(r.label == label and r.finished for r in sides.runs)]
+    values = np.concatenate(whole or list(curves.values()))
+    margin = 0.1 * (values.max() - values.min()) or 0.01
+    axes.set_ylim(values.min() - margin, values.max() + margin)
 
 
 def title_of(record: Record, sides: Sides) -> str:
@@ -184,19 +192,25 @@ def _draw_profiles(axes, sides: Sides, name: str, time: float) -> None:
 
 
 def _beam_box(sides: Sides) -> tuple[float, float, float, float]:
-    """A window around every place the solids reach, in m: x0, x1, y0, y1."""
-    reach = []
-    for record in (sides.reference, *sides.runs):
+    """A window around every place the bodies reach (m: x0, x1, y0, y1), but for runs beyond twice the
+    reference's reach: they leave the picture instead of shrinking everyone else."""
+    def reach(record: Record) -> np.ndarray:
+        corners = []
         for name in sides.probes["outline"]:
             for time in record.table_times(name):
                 table = record.table(name, time)
-                reach += [(table["x"].min(), table["x"].max(), table["y"].max()),
-                          (table["reference_x"].min(), table["reference_x"].max(),
-                           table["reference_y"].max())]
-    low, high, top = np.min([r[0] for r in reach]), np.max([r[1] for r in reach]), np.max([r[2] for r in reach])
-    margin = 0.15 * (top - sides.channel[1])
-    return (max(sides.channel[0], low - margin), min(sides.channel[2], high + margin), sides.channel[1],
-            top + margin)
+                corners += [np.column_stack([table[a], table[b]]) for a, b in
+                            (("x", "y"), ("reference_x", "reference_y"))]
+        points = np.vstack(corners) if corners else np.full((1, 2), np.nan)
+        return np.array([points[:, 0].min(), points[:, 0].max(), points[:, 1].max()])
+
+    own = reach(sides.reference)
+    limit = np.array([own[0] - (own[1] - own[0]), own[1] + (own[1] - own[0]), 1.3 * own[2]])
+    others = np.vstack([own, *(reach(run) for run in sides.runs)])
+    low = max(limit[0], np.nanmin(others[:, 0]))
+    high, top = min(limit[1], np.nanmax(others[:, 1])), min(limit[2], np.nanmax(others[:, 2]))
+    margin = 0.12 * (top - sides.channel[1])
+    return low - margin, high + margin, sides.channel[1], top + margin
 
 
 def beams_and_profiles(sides: Sides) -> Picture | None:
@@ -210,8 +224,8 @@ def beams_and_profiles(sides: Sides) -> Picture | None:
     columns = 2
     rows = (len(times) + 1) // columns
     figure, grid = plt.subplots(
-        rows, 2 * columns, figsize=(style.WIDTH * 1.15, 2.5 * rows + 0.3), layout="constrained",
-        width_ratios=[1.25, 1.0] * columns, squeeze=False,
+        rows, 2 * columns, figsize=(style.WIDTH * 1.1, 2.5 * rows + 0.3), layout="constrained",
+        width_ratios=[0.8, 1.0] * columns, squeeze=False,
     )
     for axes in grid.flat[2 * len(times):]:
         axes.set_axis_off()
@@ -225,7 +239,8 @@ def beams_and_profiles(sides: Sides) -> Picture | None:
         right.set(xlim=(min(0.0, 1.1 * slowest) - 0.02, 1.12 * fastest), ylim=(sides.channel[1], sides.channel[3]))
         left.set(xlabel="x [m]" if row == rows - 1 else "", ylabel="y [m]")
         right.set(xlabel="streamwise velocity [m/s]" if row == rows - 1 else "")
-        left.xaxis.set_major_locator(MaxNLocator(4))
+        left.xaxis.set_major_locator(MaxNLocator(2))
+        right.xaxis.set_major_locator(MaxNLocator(4))
     handles, labels = grid[0, 1].get_legend_handles_labels()
     _legend_above(figure, handles[::-1], labels[::-1])
     place = sides.reference.table(profile, times[0])["x"][0]
@@ -253,6 +268,7 @@ def displacement(sides: Sides) -> Picture | None:
         3, 1, figsize=(style.WIDTH, 6.2), sharex=True, height_ratios=[2, 1, 1.3], layout="constrained"
     )
     length = np.hypot(reference["displacement_x"], reference["displacement_y"])
+    curves = {c: {"reference": 1e3 * reference[c]} for c in ("displacement_x", "displacement_y")}
     for run in sides.runs:
         series = run.series(name)
         if series is None:
@@ -260,6 +276,8 @@ def displacement(sides: Sides) -> Picture | None:
         look = {"color": sides.colour(run), "ls": style.dashes(run.label), "label": f"particles, {run.label}"}
         top.plot(series["time"], 1e3 * series["displacement_x"], **look)
         middle.plot(series["time"], 1e3 * series["displacement_y"], **look)
+        for component in curves:
+            curves[component][run.label] = 1e3 * series[component]
         common = reference["time"][(reference["time"] <= series["time"][-1]) & (length > 0.02 * length.max())]
         scale = np.interp(common, reference["time"], length)
         apart = np.hypot(*(
@@ -276,6 +294,8 @@ def displacement(sides: Sides) -> Picture | None:
         bottom.plot(*zip(*((t, 100 * limit) for t, limit in judged)), "v", color="#555", ms=5,
                     label="limit, where judged")
         bottom.set_ylim(0, max(8.0, 250 * judged[0][1]))
+    frame(top, sides, curves["displacement_x"])
+    frame(middle, sides, curves["displacement_y"])
     top.set(ylabel="x [mm]", title=f"Displacement of probe '{name}'")
     middle.set(ylabel="y [mm]")
     bottom.set(ylabel="difference [%]", xlabel="time [s]", title="Length of the difference over the reference's "
@@ -337,38 +357,47 @@ def force(sides: Sides) -> Picture | None:
 # --------------------------------------------------------------------------------------------- ledgers
 
 
-def _ledger_line(axes, sides: Sides, ledger: str, column: str, scale: float = 1.0, reference: bool = True,
-                 offset: float = 0.0) -> None:
-    for run in sides.runs:
-        series = run.series(ledger)
-        if series is not None and column in series:
-            axes.plot(series["time"], scale * (series[column] - offset), color=sides.colour(run), lw=1.0,
-                      ls=style.dashes(run.label), label=f"particles, {run.label}")
-    series = sides.reference.series(ledger)
-    if reference and series is not None and column in series:
-        axes.plot(series["time"], scale * (series[column] - offset), color=style.REFERENCE, ls=(0, (5, 3)),
-                  lw=1.0, label="reference")
+LEDGERS = (
+    ("ledger_mass", "excess_outflow", "Outflow minus inflow so far", "% of the channel"),
+    ("ledger_mass", "particles", "Number of particles since the start", "%"),
+    ("ledger_solid", "area_ratio", "Area of the solids since the start", "%"),
+    ("ledger_divergence", "rms_divergence", "Remaining divergence of velocity, rms", "1/s"),
+    ("ledger_energy", "kinetic_fluid", "Kinetic energy of the fluid", "J/m"),
+    ("ledger_energy", "elastic", "Elastic energy of the solids", "J/m"),
+)
+
+
+def _as_drawn(column: str, values: np.ndarray, area: float) -> np.ndarray:
+    if column == "excess_outflow":
+        return 100 * values / area
+    if column in ("particles", "area_ratio"):
+        return 100 * (values / values[0] - 1)
+    return values
+
+
+def _draw_ledger(axes, sides: Sides, ledger: str, column: str) -> None:
+    x0, y0, x1, y1 = sides.channel
+    curves = {}
+    for record in (*sides.runs, sides.reference):
+        series = record.series(ledger)
+        if series is None or column not in series:
+            continue
+        look = {"color": style.REFERENCE, "ls": (0, (5, 3))}
+        if record is not sides.reference:
+            look = {"color": sides.colour(record), "ls": style.dashes(record.label)}
+        curves[record.label] = _as_drawn(column, series[column], (x1 - x0) * (y1 - y0))
+        axes.plot(series["time"], curves[record.label], lw=1.0, label=title_of(record, sides), **look)
+    if curves:
+        frame(axes, sides, curves)
 
 
 def ledgers(sides: Sides) -> Picture | None:
-    x0, y0, x1, y1 = sides.channel
     figure, grid = plt.subplots(3, 2, figsize=(style.WIDTH, 7.2), sharex=True, layout="constrained")
-    _ledger_line(grid[0, 0], sides, "ledger_mass", "excess_outflow", 100.0 / ((x1 - x0) * (y1 - y0)))
-    grid[0, 0].set(title="Outflow minus inflow so far", ylabel="% of the channel")
-    for run in sides.runs:
-        mass = run.series("ledger_mass")
-        if mass is not None and "particles" in mass:
-            grid[0, 1].plot(mass["time"], 100 * (mass["particles"] / mass["particles"][0] - 1), lw=1.0,
-                            color=sides.colour(run), ls=style.dashes(run.label))
-    grid[0, 1].set(title="Number of particles since the start", ylabel="%")
-    _ledger_line(grid[1, 0], sides, "ledger_solid", "area_ratio", 100.0, offset=1.0)
-    grid[1, 0].set(title="Area of the solids since the start", ylabel="%")
-    _ledger_line(grid[1, 1], sides, "ledger_divergence", "rms_divergence")
-    grid[1, 1].set(title="Remaining divergence of velocity, rms", ylabel="1/s")
-    _ledger_line(grid[2, 0], sides, "ledger_energy", "kinetic_fluid")
-    grid[2, 0].set(title="Kinetic energy of the fluid", ylabel="J/m", xlabel="time [s]")
-    _ledger_line(grid[2, 1], sides, "ledger_energy", "elastic")
-    grid[2, 1].set(title="Elastic energy of the solids", ylabel="J/m", xlabel="time [s]")
+    for axes, (ledger, column, title, unit) in zip(grid.flat, LEDGERS):
+        _draw_ledger(axes, sides, ledger, column)
+        axes.set(title=title, ylabel=unit)
+    for axes in grid[-1]:
+        axes.set_xlabel("time [s]")
     if not any(axes.lines for axes in grid.flat):
         plt.close(figure)
         return None
@@ -378,7 +407,8 @@ def ledgers(sides: Sides) -> Picture | None:
         "ledgers", figure,
         "Six histories: outflow minus inflow, number of particles, area of the solids, remaining divergence, "
         "kinetic energy of the fluid, elastic energy of the solids.",
-        "What both methods should keep. A line is missing where a solver keeps no such book.",
+        "What both methods should keep. A line is missing where a solver keeps no such book; a run that stopped "
+        "may leave its panel.",
     )
 
 
@@ -390,8 +420,8 @@ def cost(sides: Sides) -> Picture | None:
     if not bars:
         return None
     figure, grid = plt.subplots(
-        len(bars), 1, figsize=(style.WIDTH, 0.6 + sum(0.45 + 0.24 * len(c) for _, c in bars)),
-        height_ratios=[0.45 + 0.24 * len(c) for _, c in bars], squeeze=False, layout="constrained",
+        len(bars), 1, figsize=(style.WIDTH, 0.6 + sum(0.5 + 0.19 * len(c) for _, c in bars)),
+        height_ratios=[0.5 + 0.19 * len(c) for _, c in bars], squeeze=False, layout="constrained",
     )
     for axes, (name, phases) in zip(grid[:, 0], bars):
         total = sum(s for _, s in phases) or 1.0
@@ -405,7 +435,7 @@ def cost(sides: Sides) -> Picture | None:
     grid[-1, 0].set_xlabel("seconds")
     return Picture(
         "cost", figure, "Bars: seconds spent in each phase of the step, for each solver.",
-        "Where the time goes, as each solver's own clock tells.",
+        "Where the wall time goes, by each solver's own clocks.",
     )
 
 

@@ -23,6 +23,7 @@ plt.rcParams.update(
         "axes.spines.right": False,
         "axes.linewidth": 0.7,
         "axes.grid": True,
+        "axes.axisbelow": True,
         "grid.color": "#e3e3e3",
         "grid.linewidth": 0.6,
         "lines.linewidth": 1.3,

@@ -68,6 +68,17 @@ class Row:
     cells: list[Cell]
     limit: str
     because: str
+    remark: str  # one that holds for every cell
+
+
+def _take_common_remark(cells: list[Cell]) -> str:
+    """A remark that all cells share moves to the row: once is enough."""
+    remarks = {c.remark for c in cells}
+    if len(cells) < 2 or len(remarks) != 1:
+        return ""
+    for c in cells:
+        c.remark = ""
+    return remarks.pop()
 
 
 def cell(m: dict | None) -> Cell:
@@ -106,9 +117,10 @@ class Tables:
                 cells = [cell(at.get(round(t, 6))) for t in self.times()]
             else:
                 cells = [cell(members[0])]
+            remark = _take_common_remark(cells)
             limit = number(limited["limit"], measure, members[0]["unit"]) if limited else ""
             rows.append(Row(TITLES.get(measure, measure), self.definitions[measure]["definition"], subject,
-                            cells, limit, limited["because"] if limited else ""))
+                            cells, limit, limited["because"] if limited else "", remark))
         return rows
 
     def judged(self, run: dict, timed: bool) -> list[Row]:
