@@ -40,7 +40,7 @@ Numerics recommended() {
           .surface_correction = true,
           .area_stiffness = 300.0,
           .spring_integration = SpringIntegration::implicit_force,
-          .courant = 0.25};
+          .courant = 0.4};
 }
 
 /// Reads a choice written as a word; the words stand in the order of the enumeration.
