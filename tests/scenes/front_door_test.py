@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""front_door_test.py ROOT: what `sprung` says and how it fails, without building anything."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(sys.argv[1])
+VERBS = ["check", "explain", "run", "reference", "calibrate", "validate", "study", "report", "test"]
+WRONG_USE, NOT_THERE = 2, 4
+
+
+def sprung(*arguments, cwd="/", door=ROOT / "sprung"):
+    # Packages are not this test's business, and a build would wait for the one that runs it.
+    return subprocess.run([str(door), *map(str, arguments)], capture_output=True, text=True, cwd=cwd, timeout=30,
+                          env={**os.environ, "SPRUNG_SKIP_PACKAGES": "1"})
+
+
+class FrontDoorTest(unittest.TestCase):
+    def test_help_names_every_verb(self):
+        answer = sprung("--help")
+        self.assertEqual(answer.returncode, 0)
+        for verb in VERBS:
+            self.assertIn(f"\n  {verb} ", answer.stdout)
+
+    def test_every_verb_has_help_with_an_example(self):
+        for verb in VERBS:
+            for arguments in ((verb, "--help"), (verb, "-h")):
+                with self.subTest(arguments):
+                    answer = sprung(*arguments)
+                    self.assertEqual(answer.returncode, 0, answer.stderr)
+                    self.assertTrue(answer.stdout.startswith(f"./sprung {verb}"))
+                    self.assertIn(f"\n  ./sprung {verb}", answer.stdout)
+
+    def test_wrong_use_is_told_with_a_remedy(self):
+        for arguments, says in (
+            ((), "./sprung VERB"),
+            (("frobnicate",), "'frobnicate'"),
+            (("--frobnicate", "test"), "'--frobnicate'"),
+            (("validate",), "beam_in_channel"),
+            (("validate", "beam_in_channel", "--quik"), "'--quik'"),
+            (("validate", "beam_in_channel", "--out"), "--out needs"),
+            (("validate", "beam_in_channel", "--threads", "two"), "'two'"),
+            (("validate", "beam_in_channel", "--skip", "papre"), "'papre'"),
+            (("validate", "beam_in_channel", "--time-limit", "paper"), "RUN=SECONDS"),
+            (("report",), "--help"),
+            (("report", "/nowhere"), "comparison.json"),
+            (("study",), "no study"),
+            (("--no-reference", "reference", "scene.toml"), "--no-reference"),
+        ):
+            with self.subTest(arguments):
+                answer = sprung(*arguments)
+                self.assertEqual(answer.returncode, WRONG_USE, answer.stderr)
+                self.assertIn(says, answer.stderr)
+
+    def test_what_is_not_there_yet_says_so(self):
+        for arguments, says in ((("study", "accuracy_against_cost"), "accuracy_against_cost"),
+                                (("validate", "aortic_valve"), "aortic_valve")):
+            with self.subTest(arguments):
+                answer = sprung(*arguments)
+                self.assertEqual(answer.returncode, NOT_THERE, answer.stderr)
+                self.assertIn(says, answer.stderr)
+
+    def test_works_through_a_link_from_any_folder(self):
+        with tempfile.TemporaryDirectory() as folder:
+            link = Path(folder) / "door"
+            link.symlink_to(ROOT / "sprung")
+            answer = sprung("validate", "nothing", cwd=folder, door=link)
+            self.assertIn("beam_in_channel", answer.stderr)
+            self.assertEqual([p.name for p in Path(folder).iterdir()], ["door"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
