@@ -1,5 +1,6 @@
 /// sprung-sph: checks, explains and runs a scene with the particle method.
 
+#include "sph/explain.hpp"
 #include "sph/run.hpp"
 
 #include <CLI/CLI.hpp>
@@ -27,22 +28,6 @@ void add_scene_arguments(CLI::App& verb, Arguments& a) {
   verb.add_option("--calibration", a.table, "table of lambda = E/k_e");
 }
 
-template <int dim>
-void explain(Document& document, const sph::ModulusTable& table) {
-  const auto scene = sph::set_up<dim>(document, table);
-  const auto& particles = scene.simulation->state().particles;
-  fmt::print("{}\n  {} particles with an equation ({} solid), {} prescribed\n", scene.problem.title,
-             particles.unknowns, particles.solids, particles.size() - particles.unknowns);
-  for (const auto& effect : scene.effects) fmt::print("  {}\n", effect);
-  const auto limit = scene.simulation->time_step_limit();
-  fmt::print("  time step {:.4g} s, set by {}: {:.0f} steps\n", limit.value, limit.limit,
-             std::ceil(scene.problem.end_time / limit.value));
-  for (const auto* other : scene.simulation->effects().limits)
-    fmt::print("    {}: {:.4g} s\n", other->limit_name(),
-               other->largest_time_step(scene.simulation->state()));
-  for (const auto& warning : scene.warnings) fmt::print("  warning: {}\n", warning);
-}
-
 int dispatch(const CLI::App& app, const Arguments& a) {
   Document document(a.scene, a.overrides);
   const sph::ModulusTable table(a.table);
@@ -53,7 +38,8 @@ int dispatch(const CLI::App& app, const Arguments& a) {
     return 0;
   }
   if (app.got_subcommand("explain")) {
-    plane ? explain<2>(document, table) : explain<3>(document, table);
+    const std::string text = plane ? sph::explain<2>(document, table) : sph::explain<3>(document, table);
+    fmt::print("{}", text);
     return 0;
   }
   omp_set_num_threads(a.threads);

@@ -100,7 +100,9 @@ void Support<dim>::build(const Kernel<dim>& kernel, std::span<const Vector<dim>>
                          std::size_t owners, double volume) {
   reserve(owners);
   const double radius = kernel.support_radius();
-  const CellGrid<dim> grid(points, radius);
+  // Cells of half the radius: five rows of five hold fewer points that are too far than three rows of three.
+  constexpr int reach = 2;
+  const CellGrid<dim> grid(points, radius / reach);
   const std::size_t n = points.size();
   const int cells = grid.cells();
 
@@ -134,9 +136,9 @@ void Support<dim>::build(const Kernel<dim>& kernel, std::span<const Vector<dim>>
       std::int32_t* const index = index_.get() + write;
       std::size_t count = 0;
       auto scan_row = [&](std::array<int, dim> row) {
-        row[0] = std::max(c[0] - 1, 0);
+        row[0] = std::max(c[0] - reach, 0);
         const int first_cell = grid.number(row);
-        row[0] = std::min(c[0] + 1, grid.extent[0] - 1);
+        row[0] = std::min(c[0] + reach, grid.extent[0] - 1);
         const std::int32_t last = cell_begin_[grid.number(row) + 1];
         for (std::int32_t s = cell_begin_[first_cell]; s < last; ++s) {
           const double d2 = (x - sorted_points_[s]).squaredNorm();
@@ -150,12 +152,12 @@ void Support<dim>::build(const Kernel<dim>& kernel, std::span<const Vector<dim>>
           }
         }
       };
-      for (int dy = -1; dy <= 1; ++dy) {
+      for (int dy = -reach; dy <= reach; ++dy) {
         if (c[1] + dy < 0 || c[1] + dy >= grid.extent[1]) continue;
         if constexpr (dim == 2) {
           scan_row({c[0], c[1] + dy});
         } else {
-          for (int dz = -1; dz <= 1; ++dz)
+          for (int dz = -reach; dz <= reach; ++dz)
             if (c[2] + dz >= 0 && c[2] + dz < grid.extent[2]) scan_row({c[0], c[1] + dy, c[2] + dz});
         }
       }

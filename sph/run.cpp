@@ -272,8 +272,8 @@ Manifest manifest_of(const Document& document, const ParticleScene<dim>& scene) 
   manifest.numbers["particles"] = static_cast<double>(particles.unknowns);
   manifest.numbers["solid_particles"] = static_cast<double>(particles.solids);
   manifest.numbers["spacing"] = particles.spacing;
-  manifest.numbers["time_step"] = scene.simulation->time_step_limit().value;
-  manifest.notes["time_step_limit"] = scene.simulation->time_step_limit().limit;
+  manifest.numbers["time_step"] = scene.simulation->chosen_time_step().value;
+  manifest.notes["time_step_limit"] = scene.simulation->chosen_time_step().limit;
   return manifest;
 }
 

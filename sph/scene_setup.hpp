@@ -41,7 +41,8 @@ struct ParticleScene {
   ElasticSolid<dim>* solid = nullptr;  ///< null where the scene has none; owned by the simulation
   std::vector<BodyRange> bodies;
   std::vector<std::string> warnings;
-  std::vector<std::string> effects;  ///< what the scene calls for, one line each
+  std::vector<std::string> effects;      ///< what the scene calls for, one line each
+  std::vector<std::string> effects_off;  ///< what it does not
 };
 
 /// Reads [sph] and [numerics] and everything else that the particle solver needs, and refuses what is

@@ -90,10 +90,16 @@ TimeStepChoice Simulation<dim>::time_step_limit() const {
 }
 
 template <int dim>
+TimeStepChoice Simulation<dim>::chosen_time_step() const {
+  if (fixed_time_step_ > 0.0) return {fixed_time_step_, "sph.time_step"};
+  return time_step_limit();
+}
+
+template <int dim>
 void Simulation<dim>::choose_time_step() {
   Clock& clock = state_.clock;
   clock.previous_time_step = clock.time_step;
-  const double largest = fixed_time_step_ > 0.0 ? fixed_time_step_ : time_step_limit().value;
+  const double largest = chosen_time_step().value;
   // Equal steps up to the next time at which someone looks: no sliver of a step before it.
   const double left = stop_at_ - clock.time;
   clock.time_step = std::isfinite(left) ? left / std::ceil(left / largest * (1.0 - 1e-9)) : largest;
@@ -199,8 +205,8 @@ void Simulation<dim>::solve_pressure() {
       mean /= static_cast<double>(n);
       for (double& s : source_) s -= mean;
     }
-    // Coarse cells of 3.5 dx: larger ones take more iterations, smaller ones more time each.
-    const double cell = 3.5 * particles.spacing;
+    // Coarse cells of 3 dx: larger ones take more iterations, smaller ones more time each.
+    const double cell = 3.0 * particles.spacing;
     std::array<std::int32_t, dim> extent;
     for (int d = 0; d < dim; ++d)
       extent[d] = static_cast<std::int32_t>((box_high_[d] - box_low_[d]) / cell) + 1;

@@ -53,6 +53,8 @@ class Simulation {
 
   /// The largest step that every limit allows, and which limit that is.
   TimeStepChoice time_step_limit() const;
+  /// The step that the run takes: the limits', or the one that the scene fixes.
+  TimeStepChoice chosen_time_step() const;
   /// Sets the next step; shortened so that `stop_at` (the next time at which someone looks) is met.
   void choose_time_step();
   void stop_at(double time) { stop_at_ = time; }

@@ -22,8 +22,7 @@ std::span<const Vector<dim>> solid_positions(const ElasticNetwork<dim>& network,
 
 }  // namespace
 
-/// K x at rest by central difference of the forces would lose digits; bonds and cells are linear enough
-/// to write it out.
+/// Power iteration. K x at rest is written out: by differences of the forces it would lose digits.
 template <int dim>
 double highest_frequency(const ElasticNetwork<dim>& network, double mass) {
   const std::size_t n = network.movable;
@@ -183,13 +182,6 @@ void ElasticSolid<dim>::constrain(State<dim>& state, const std::vector<Vector<di
   for (std::size_t i = 0; i < n; ++i)
     particles.velocity[i] =
         old_velocity[i] + dt * (spring_acceleration_[i] + a.template segment<dim>(i * dim));
-}
-
-template <int dim>
-double ElasticSolid<dim>::largest_time_step(const State<dim>&) const {
-  if (integration_ == SpringIntegration::implicit_force)
-    return std::numeric_limits<double>::infinity();
-  return 0.8 * 2.0 / highest_frequency_;
 }
 
 template <int dim>

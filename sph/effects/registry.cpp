@@ -10,8 +10,8 @@ namespace sprung::sph {
 namespace {
 
 template <int dim>
-void add_viscosity(ParticleScene<dim>& scene, const ModulusTable&) {
-  if (!scene.problem.viscosity) return;
+bool add_viscosity(ParticleScene<dim>& scene, const ModulusTable&) {
+  if (!scene.problem.viscosity) return false;
   auto& simulation = *scene.simulation;
   const double nu = scene.problem.viscosity->dynamic / scene.problem.density;
   std::shared_ptr<SolidSurface<dim>> surface;
@@ -25,11 +25,12 @@ void add_viscosity(ParticleScene<dim>& scene, const ModulusTable&) {
   simulation.effects().limits.push_back(effect.get());
   simulation.effects().diffusion.push_back(std::move(effect));
   scene.effects.push_back(fmt::format("viscosity: the scene has [viscosity], nu = {:.3g} m2/s", nu));
+  return true;
 }
 
 template <int dim>
-void add_springs(ParticleScene<dim>& scene, const ModulusTable& table) {
-  if (scene.problem.solids.empty()) return;
+bool add_springs(ParticleScene<dim>& scene, const ModulusTable& table) {
+  if (scene.problem.solids.empty()) return false;
   auto& simulation = *scene.simulation;
   const auto& particles = simulation.state().particles;
   const Numerics& numerics = simulation.numerics();
@@ -48,30 +49,46 @@ void add_springs(ParticleScene<dim>& scene, const ModulusTable& table) {
   auto effect = std::make_unique<ElasticSolid<dim>>(std::move(network), particles,
                                                     numerics.spring_integration);
   scene.solid = effect.get();
-  simulation.effects().limits.push_back(effect.get());
   if (numerics.spring_integration == SpringIntegration::implicit_force)
     simulation.effects().constraints.push_back(effect.get());
+  else
+    simulation.effects().limits.push_back(effect.get());
   simulation.effects().body_forces.push_back(std::move(effect));
+  return true;
 }
 
 template <int dim>
-void add_shifting(ParticleScene<dim>& scene, const ModulusTable&) {
+bool add_shifting(ParticleScene<dim>& scene, const ModulusTable&) {
   auto& simulation = *scene.simulation;
   const Numerics& numerics = simulation.numerics();
-  if (numerics.shifting == Shifting::none) return;
+  if (numerics.shifting == Shifting::none) return false;
   simulation.effects().motion.push_back(
       std::make_unique<XuShifting<dim>>(numerics.shifting_coefficient));
   scene.effects.push_back(
       fmt::format("shifting: numerics, Xu et al. 2009, C = {}", numerics.shifting_coefficient));
+  return true;
 }
+
+/// Adds the effect if the scene calls for it; `false` when it does not.
+template <int dim>
+struct Row {
+  const char* effect;
+  bool (*add)(ParticleScene<dim>&, const ModulusTable&);
+  const char* called_for_by;
+};
 
 }  // namespace
 
 template <int dim>
 void add_effects(ParticleScene<dim>& scene, const ModulusTable& table) {
-  using Row = void (*)(ParticleScene<dim>&, const ModulusTable&);
-  constexpr Row rows[] = {add_viscosity<dim>, add_springs<dim>, add_shifting<dim>};
-  for (const Row add : rows) add(scene, table);
+  constexpr Row<dim> rows[] = {
+      {"viscosity", add_viscosity<dim>, "a table [viscosity]"},
+      {"springs", add_springs<dim>, "a table [solid.<name>]"},
+      {"shifting", add_shifting<dim>, "numerics.shifting"},
+  };
+  for (const auto& row : rows)
+    if (!row.add(scene, table))
+      scene.effects_off.push_back(fmt::format("{}: {} would call for it", row.effect, row.called_for_by));
 }
 
 template void add_effects<2>(ParticleScene<2>&, const ModulusTable&);

@@ -143,9 +143,24 @@ class TwoLevel final : public PressureSolver {
         z_[i] = sum * inverse_diagonal_[i];
       }
     }
-    matrix.multiply(z_, w_);
+    // (D - L) z = r inside a block, so the residual r - A z is what the sweep has not seen: the columns right of
+    // the diagonal, and those left of it in other blocks.
+#pragma omp parallel for schedule(static)
+    for (std::ptrdiff_t b = 0; b < blocks; ++b) {
+      const std::size_t begin = b * sweep_block, end = std::min(n, begin + sweep_block);
+      for (std::size_t i = begin; i < end; ++i) {
+        double sum = 0.0;
+        const auto upper = matrix.upper(i);
+        for (std::int32_t k = 0; k < upper.count; ++k) sum += upper.value[k] * z_[upper.column[k]];
+        const auto lower = matrix.lower(i);
+        for (std::int32_t k = 0; k < lower.count; ++k)
+          if (static_cast<std::size_t>(lower.column[k]) < begin)
+            sum += lower.value[k] * z_[lower.column[k]];
+        w_[i] = sum;
+      }
+    }
     coarse_right_.setZero();
-    for (std::size_t i = 0; i < n; ++i) coarse_right_[cell_of_[i]] += r_[i] - w_[i];
+    for (std::size_t i = 0; i < n; ++i) coarse_right_[cell_of_[i]] += w_[i];
     coarse_solution_ = factor_.solve(coarse_right_);
     for (std::size_t i = 0; i < n; ++i) z_[i] += coarse_solution_[cell_of_[i]];
     // Backward sweep on the residual that is left; outside the block the values are those before it.
