@@ -29,17 +29,6 @@ class GmshSession {
   GmshSession& operator=(const GmshSession&) = delete;
 };
 
-struct Corner {
-  double x, y, size;
-};
-
-double distance_to_segment(double x, double y, const std::array<double, 4>& s) {
-  const double dx = s[2] - s[0], dy = s[3] - s[1];
-  const double t =
-      std::clamp(((x - s[0]) * dx + (y - s[1]) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-  return std::hypot(x - s[0] - t * dx, y - s[1] - t * dy);
-}
-
 bool on_side(const Box& channel, Side side, double x, double y) {
   const double tolerance =
       1e-9 * std::max(channel.to[0] - channel.from[0], channel.to[1] - channel.from[1]);
@@ -52,89 +41,154 @@ bool on_side(const Box& channel, Side side, double x, double y) {
   }
 }
 
-/// Wanted edge length at a point: the smallest that any corner or face asks for.
-class SizeField {
- public:
-  SizeField(const Problem& problem, const MeshSizes& sizes) : sizes_(sizes) {
-    // The growth is a ratio of lengths: the same when all sizes are scaled.
-    const double coarser = std::pow(2.0, sizes.splittings);
-    for (double* size : {&sizes_.bulk, &sizes_.clamp_corner, &sizes_.free_corner, &sizes_.face})
-      *size *= coarser;
-    for (const Solid& solid : problem.solids) {
-      const auto& [a, b] = std::pair(solid.body.from, solid.body.to);
-      const std::array<std::array<double, 2>, 4> points = {
-          {{a[0], a[1]}, {b[0], a[1]}, {b[0], b[1]}, {a[0], b[1]}}};
-      for (std::size_t i = 0; i < 4; ++i) {
-        const auto& p = points[i];
-        const auto& q = points[(i + 1) % 4];
-        const bool clamped = solid.clamped && on_side(problem.channel, *solid.clamped, p[0], p[1]);
-        corners_.push_back({p[0], p[1], clamped ? sizes_.clamp_corner : sizes_.free_corner});
-        faces_.push_back({p[0], p[1], q[0], q[1]});
-      }
-    }
-  }
-  double operator()(double x, double y) const {
-    double size = sizes_.bulk;
-    for (const Corner& c : corners_)
-      size = std::min(size, c.size + sizes_.growth * std::hypot(x - c.x, y - c.y));
-    for (const auto& f : faces_)
-      size = std::min(size, sizes_.face + sizes_.growth * distance_to_segment(x, y, f));
-    return size;
-  }
-
- private:
-  MeshSizes sizes_;
-  std::vector<Corner> corners_;
-  std::vector<std::array<double, 4>> faces_;
+/// A stretch of a grid line, cut into `cells` whose lengths grow by `ratio` from its start to its end.
+struct Piece {
+  double length = 0.0;
+  int cells = 1;
+  double ratio = 1.0;
 };
 
-/// Channel and bodies as surfaces that share their edges; returns the surfaces of each material id.
-std::vector<std::vector<int>> build_geometry(const Problem& problem) {
-  const Box& c = problem.channel;
-  const int channel =
-      gmsh::model::occ::addRectangle(c.from[0], c.from[1], 0, c.to[0] - c.from[0], c.to[1] - c.from[1]);
-  gmsh::vectorpair bodies;
-  for (const Solid& solid : problem.solids) {
-    const Box& b = solid.body;
-    bodies.emplace_back(2, gmsh::model::occ::addRectangle(b.from[0], b.from[1], 0, b.to[0] - b.from[0],
-                                                          b.to[1] - b.from[1]));
+/// Cells that start at `first` and grow by `ratio` until they reach `cap`.
+std::vector<Piece> growing(double length, double first, double cap, double ratio) {
+  const auto sum = [&](int n) { return first * (std::pow(ratio, n) - 1.0) / (ratio - 1.0); };
+  const int to_cap = std::max(1, static_cast<int>(std::lround(std::log(cap / first) / std::log(ratio))));
+  if (sum(to_cap) + 0.5 * cap >= length) {
+    const double wanted = std::log1p(length * (ratio - 1.0) / first) / std::log(ratio);
+    return {{length, std::max(1, static_cast<int>(std::lround(wanted))), ratio}};
   }
-  std::vector<std::vector<int>> surfaces(problem.solids.size() + 1);
-  if (bodies.empty()) {
-    surfaces[fluid_id] = {channel};
-  } else {
-    gmsh::vectorpair all;
-    std::vector<gmsh::vectorpair> parts;
-    gmsh::model::occ::fragment({{2, channel}}, bodies, all, parts);
-    std::vector<int> taken;
-    for (std::size_t i = 0; i < bodies.size(); ++i)
-      for (const auto& [dim, tag] : parts[i + 1]) {
-        surfaces[i + 1].push_back(tag);
-        taken.push_back(tag);
-      }
-    for (const auto& [dim, tag] : all)
-      if (std::find(taken.begin(), taken.end(), tag) == taken.end()) surfaces[fluid_id].push_back(tag);
-  }
-  gmsh::model::occ::synchronize();
-  return surfaces;
+  const double rest = length - sum(to_cap);
+  return {{sum(to_cap), to_cap, ratio},
+          {rest, std::max(1, static_cast<int>(std::ceil(rest / cap - 0.1))), 1.0}};
 }
 
-void generate_quadrilaterals(const std::vector<std::vector<int>>& surfaces, const SizeField& size) {
-  gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 0);
-  gmsh::option::setNumber("Mesh.MeshSizeFromPoints", 0);
-  gmsh::option::setNumber("Mesh.Algorithm", 6);               // frontal
-  // Pairs the triangles of a mesh twice as coarse and splits everything once: quadrilaterals only.
-  gmsh::option::setNumber("Mesh.RecombinationAlgorithm", 2);
-  gmsh::option::setNumber("Mesh.RandomSeed", 1);
-  gmsh::model::mesh::setSizeCallback(
-      [&size](int, int, double x, double y, double) { return size(x, y); });
-  for (std::size_t material = 0; material < surfaces.size(); ++material)
-    for (const int tag : surfaces[material]) {
-      if (material != fluid_id) gmsh::model::mesh::setTransfiniteSurface(tag);
-      gmsh::model::mesh::setRecombine(2, tag);
+std::vector<Piece> reversed(std::vector<Piece> pieces) {
+  std::reverse(pieces.begin(), pieces.end());
+  for (Piece& piece : pieces) piece.ratio = 1.0 / piece.ratio;
+  return pieces;
+}
+
+/// A line of the grid that a body's face lies on, and the cell size wanted there; size 0: any.
+struct GridLine {
+  double at = 0.0;
+  double size = 0.0;
+};
+
+/// One direction of the block grid: its lines and what lies between them.
+struct Direction {
+  std::vector<double> lines;
+  std::vector<Piece> pieces;
+};
+
+Direction divide(const std::vector<GridLine>& faces, const std::vector<std::array<double, 2>>& bodies,
+                 const MeshSizes& sizes) {
+  Direction direction;
+  direction.lines.push_back(faces.front().at);
+  for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
+    const double a = faces[i].at, b = faces[i + 1].at, length = b - a;
+    const bool along_body = std::any_of(bodies.begin(), bodies.end(), [&](const auto& body) {
+      return body[0] < 0.5 * (a + b) && 0.5 * (a + b) < body[1];
+    });
+    const double cap = along_body ? sizes.face : sizes.bulk;
+    const double first = std::min(faces[i].size, cap), last = std::min(faces[i + 1].size, cap);
+    std::vector<Piece> pieces;
+    if (first > 0.0 && last > 0.0) {
+      pieces = growing(0.5 * length, first, cap, sizes.growth);
+      for (const Piece& piece : reversed(growing(0.5 * length, last, cap, sizes.growth)))
+        pieces.push_back(piece);
+    } else if (first > 0.0) {
+      pieces = growing(length, first, cap, sizes.growth);
+    } else if (last > 0.0) {
+      pieces = reversed(growing(length, last, cap, sizes.growth));
+    } else {
+      pieces = {{length, std::max(1, static_cast<int>(std::ceil(length / cap - 0.1))), 1.0}};
     }
+    double at = a;
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      at = k + 1 == pieces.size() ? b : at + pieces[k].length;
+      direction.lines.push_back(at);
+      direction.pieces.push_back(pieces[k]);
+    }
+  }
+  return direction;
+}
+
+/// Lines along coordinate `d` at the channel's sides and the bodies' faces, ascending; faces that fall together
+/// take the smaller size.
+Direction directions(const Problem& problem, const MeshSizes& sizes, std::size_t d) {
+  std::vector<GridLine> lines = {{problem.channel.from[d], 0.0}, {problem.channel.to[d], 0.0}};
+  std::vector<std::array<double, 2>> bodies;
+  for (const Solid& solid : problem.solids) {
+    bodies.push_back({solid.body.from[d], solid.body.to[d]});
+    for (const double at : bodies.back()) {
+      const bool held = solid.clamped && (d == 0 ? on_side(problem.channel, *solid.clamped, at, NAN)
+                                                 : on_side(problem.channel, *solid.clamped, NAN, at));
+      // Every line across the clamp passes its corners.
+      const bool across = solid.clamped && ((*solid.clamped == Side::left || *solid.clamped == Side::right) !=
+                                            (d == 0));
+      lines.push_back({at, held     ? sizes.clamp_corner
+                           : across ? std::min(sizes.clamp_corner, sizes.free_corner)
+                                    : sizes.free_corner});
+    }
+  }
+  std::sort(lines.begin(), lines.end(), [](const GridLine& a, const GridLine& b) { return a.at < b.at; });
+  std::vector<GridLine> distinct;
+  const double tolerance = 1e-9 * (problem.channel.to[d] - problem.channel.from[d]);
+  for (const GridLine& line : lines) {
+    if (distinct.empty() || line.at - distinct.back().at > tolerance)
+      distinct.push_back(line);
+    else if (line.size > 0.0)
+      distinct.back().size = distinct.back().size > 0.0 ? std::min(distinct.back().size, line.size) : line.size;
+  }
+  return divide(distinct, bodies, sizes);
+}
+
+unsigned material_at(const Problem& problem, double x, double y) {
+  for (std::size_t i = 0; i < problem.solids.size(); ++i) {
+    const Box& b = problem.solids[i].body;
+    if (b.from[0] < x && x < b.to[0] && b.from[1] < y && y < b.to[1]) return static_cast<unsigned>(i) + 1;
+  }
+  return fluid_id;
+}
+
+/// The plane as a grid of blocks, each meshed row by row (transfinite); surfaces by material id.
+std::vector<std::vector<int>> build_blocks(const Problem& problem, const MeshSizes& sizes) {
+  namespace geo = gmsh::model::geo;
+  const Direction x = directions(problem, sizes, 0), y = directions(problem, sizes, 1);
+  const int nx = static_cast<int>(x.lines.size()), ny = static_cast<int>(y.lines.size());
+  const auto at = [](const std::vector<double>& lines, int i) { return lines[static_cast<std::size_t>(i)]; };
+  std::vector<int> points, across, along;
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) points.push_back(geo::addPoint(at(x.lines, i), at(y.lines, j), 0));
+  const auto point = [&](int i, int j) { return points[static_cast<std::size_t>(j * nx + i)]; };
+  const auto cut = [](int curve, const Piece& piece) {
+    geo::mesh::setTransfiniteCurve(curve, piece.cells + 1, "Progression", piece.ratio);
+  };
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i + 1 < nx; ++i) {
+      across.push_back(geo::addLine(point(i, j), point(i + 1, j)));
+      cut(across.back(), x.pieces[static_cast<std::size_t>(i)]);
+    }
+  for (int j = 0; j + 1 < ny; ++j)
+    for (int i = 0; i < nx; ++i) {
+      along.push_back(geo::addLine(point(i, j), point(i, j + 1)));
+      cut(along.back(), y.pieces[static_cast<std::size_t>(j)]);
+    }
+  std::vector<std::vector<int>> surfaces(problem.solids.size() + 1);
+  for (int j = 0; j + 1 < ny; ++j)
+    for (int i = 0; i + 1 < nx; ++i) {
+      const auto h = [&](int row) { return across[static_cast<std::size_t>(row * (nx - 1) + i)]; };
+      const auto v = [&](int column) { return along[static_cast<std::size_t>(j * nx + column)]; };
+      const int loop = geo::addCurveLoop({h(j), v(i + 1), -h(j + 1), -v(i)});
+      const int surface = geo::addPlaneSurface({loop});
+      geo::mesh::setTransfiniteSurface(surface);
+      geo::mesh::setRecombine(2, surface);
+      surfaces[material_at(problem, 0.5 * (at(x.lines, i) + at(x.lines, i + 1)),
+                           0.5 * (at(y.lines, j) + at(y.lines, j + 1)))]
+          .push_back(surface);
+    }
+  geo::synchronize();
   gmsh::model::mesh::generate(2);
-  gmsh::model::mesh::removeSizeCallback();
+  return surfaces;
 }
 
 /// Copies Gmsh's nodes and quadrilaterals into deal.II's arrays.
@@ -174,6 +228,25 @@ void collect_cells(const std::vector<std::vector<int>>& surfaces,
       vertices[place->second] = {coordinates[3 * i], coordinates[3 * i + 1]};
 }
 
+/// Gives every face on the plane's border the id of its side. A face on the border of the mesh but not of
+/// the plane would be a crack.
+void name_sides(const Box& channel, dealii::Triangulation<2>& mesh) {
+  for (const auto& face : mesh.active_face_iterators()) {
+    if (!face->at_boundary()) continue;
+    const auto x = face->center();
+    bool named = false;
+    for (const Side side : {Side::left, Side::right, Side::bottom, Side::top})
+      if (on_side(channel, side, x[0], x[1])) {
+        face->set_boundary_id(static_cast<unsigned>(side));
+        named = true;
+      }
+    if (!named)
+      throw std::runtime_error("the mesh has a crack at x = " + std::to_string(x[0]) +
+                               " m, y = " + std::to_string(x[1]) +
+                               " m; change reference_fem.cell_size a little");
+  }
+}
+
 MeshQuality check_quality(const dealii::Triangulation<2>& mesh) {
   MeshQuality quality;
   quality.min_scaled_jacobian = 1.0;
@@ -201,23 +274,33 @@ MeshQuality check_quality(const dealii::Triangulation<2>& mesh) {
 
 }  // namespace
 
+namespace {
+
+/// What Gmsh must make so that splitting gives the wanted sizes.
+MeshSizes coarsened(MeshSizes sizes) {
+  const double factor = std::pow(2.0, sizes.splittings);
+  for (double* size : {&sizes.bulk, &sizes.clamp_corner, &sizes.free_corner, &sizes.face}) *size *= factor;
+  return sizes;
+}
+
+}  // namespace
+
 MeshQuality make_mesh(const Problem& problem, const MeshSizes& sizes, dealii::Triangulation<2>& mesh) {
   std::vector<dealii::Point<2>> vertices;
   std::vector<dealii::CellData<2>> cells;
   {
     const GmshSession session;
-    const auto surfaces = build_geometry(problem);
-    generate_quadrilaterals(surfaces, SizeField(problem, sizes));
-    collect_cells(surfaces, vertices, cells);
+    try {
+      collect_cells(build_blocks(problem, coarsened(sizes)), vertices, cells);
+    } catch (const std::string& error) {  // as Gmsh throws
+      throw std::runtime_error("Gmsh could not mesh the scene (" + error +
+                               "); change reference_fem.cell_size a little");
+    }
   }
   dealii::GridTools::consistently_order_cells(cells);
   dealii::GridTools::invert_all_negative_measure_cells(vertices, cells);
   mesh.create_triangulation(vertices, cells, dealii::SubCellData());
-  for (const auto& face : mesh.active_face_iterators())
-    if (face->at_boundary())
-      for (const Side side : {Side::left, Side::right, Side::bottom, Side::top})
-        if (on_side(problem.channel, side, face->center()[0], face->center()[1]))
-          face->set_boundary_id(static_cast<unsigned>(side));
+  name_sides(problem.channel, mesh);
   mesh.refine_global(static_cast<unsigned>(sizes.splittings));
   return check_quality(mesh);
 }

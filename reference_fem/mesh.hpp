@@ -1,6 +1,7 @@
 #pragma once
-/// The finite element mesh of a plane scene: quadrilaterals by Gmsh, conforming to every body, refined at
-/// clamped corners, free corners and wetted faces, checked before anyone computes on it.
+/// The finite element mesh of a plane scene: blocks of quadrilaterals by Gmsh, conforming to every body, graded
+/// towards clamped and free corners, checked before anyone computes on it. Meshes that differ only in their
+/// splittings are nested, which is what extrapolation needs.
 
 #include "scene/problem.hpp"
 
@@ -8,14 +9,15 @@
 
 namespace sprung::reference {
 
-/// Target edge lengths (m). Sizes grow away from corners and faces by `growth` per metre of distance.
+/// Target edge lengths (m). Cells grow from the lines of the bodies' faces outward, neighbour by neighbour,
+/// until they reach `face` along and across a body, `bulk` elsewhere.
 struct MeshSizes {
-  double bulk = 0.0;            ///< far from every body
-  double clamp_corner = 0.0;    ///< where a body's face meets the side that holds it
-  double free_corner = 0.0;     ///< at a body's other corners
-  double face = 0.0;            ///< along a body's faces
-  double growth = 0.0;          ///< d(size)/d(distance)
-  int splittings = 0;           ///< Gmsh makes cells 2^splittings larger, each then split so often into four
+  double bulk = 0.0;
+  double clamp_corner = 0.0;  ///< where a body's face meets the side that holds it
+  double free_corner = 0.0;   ///< at a body's other corners, where the flow separates
+  double face = 0.0;
+  double growth = 0.0;        ///< ratio of neighbours in Gmsh's mesh
+  int splittings = 0;         ///< Gmsh makes cells 2^splittings larger, each then split so often into four
 };
 
 /// Material id of a cell: 0 is fluid, i + 1 is Problem::solids[i].
@@ -29,7 +31,7 @@ struct MeshQuality {
   int solid_cells = 0;
 };
 
-/// Fills `mesh`; boundary ids are static_cast<unsigned>(Side). Throws SceneError-like std::runtime_error when
+/// Fills `mesh`; boundary ids are static_cast<unsigned>(Side). Throws std::runtime_error when
 /// Gmsh fails or a cell is too distorted to compute on (scaled Jacobian below 0.1), saying where.
 MeshQuality make_mesh(const Problem& problem, const MeshSizes& sizes, dealii::Triangulation<2>& mesh);
 

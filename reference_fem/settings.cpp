@@ -26,13 +26,12 @@ MeshSizes read_sizes(const Table& table, const Problem& problem) {
                                           "({:.6g} m)",
                                           height / 2.0));
   sizes.clamp_corner =
-      positive(table, "clamp_corner_size", dimension::length, length(0.1 * sizes.bulk));
-  sizes.free_corner =
-      positive(table, "free_corner_size", dimension::length, length(0.1 * sizes.bulk));
-  sizes.face = positive(table, "face_size", dimension::length, length(0.1875 * sizes.bulk));
-  sizes.growth = table.number_or("growth", 0.3);
-  if (!(sizes.growth > 0.0 && sizes.growth <= 1.0))
-    table.refuse("growth", "must lie above 0 and not beyond 1: cell size gained per distance");
+      positive(table, "clamp_corner_size", dimension::length, length(0.05 * sizes.bulk));
+  sizes.free_corner = positive(table, "free_corner_size", dimension::length, length(0.05 * sizes.bulk));
+  sizes.face = positive(table, "face_size", dimension::length, length(0.5 * sizes.bulk));
+  sizes.growth = table.number_or("growth", 2.0);
+  if (!(sizes.growth > 1.0 && sizes.growth <= 4.0))
+    table.refuse("growth", "must lie above 1 and not beyond 4: ratio of neighbouring cells before splitting");
   sizes.splittings = static_cast<int>(table.integer_or("splittings", 1));
   if (sizes.splittings < 0 || sizes.splittings > 4)
     table.refuse("splittings", "must be 0 to 4: how often every cell of Gmsh's mesh is split into four");

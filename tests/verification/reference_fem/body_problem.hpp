@@ -22,7 +22,7 @@ inline Problem body_problem(double width, double height, double youngs_modulus) 
 }
 
 inline MeshSizes sizes_of(double bulk, double corner, double face, int splittings) {
-  return {bulk, corner, corner, face, 0.3, splittings};
+  return {bulk, corner, corner, face, 2.0, splittings};
 }
 
 /// Mesh, space and equations of a body.

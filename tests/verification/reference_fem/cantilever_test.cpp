@@ -33,7 +33,7 @@ Material material(MaterialLaw law = MaterialLaw::neo_hookean, double nu = poisso
 /// The sizes a scene's cell_size gives (settings.cpp), with `finer` further splittings.
 MeshSizes scene_sizes(double cell_size, int finer) {
   const double h = cell_size * std::pow(2.0, -finer);
-  return testing::sizes_of(h, 0.1 * h, 0.1875 * h, 1 + finer);
+  return testing::sizes_of(h, 0.05 * h, 0.5 * h, 1 + finer);
 }
 
 double tip_deflection(const MeshSizes& sizes, double force, const Material& m, int degree = 2) {

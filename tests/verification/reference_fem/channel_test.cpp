@@ -22,7 +22,7 @@ Problem channel() {
 
 Settings settings(double step, const std::string& scheme) {
   Settings s;
-  s.sizes = {0.05, 0.005, 0.005, 0.01, 0.3, 0};
+  s.sizes = {0.05, 0.005, 0.005, 0.01, 2.0, 0};
   s.time_step = s.largest_time_step = step;
   s.step_tolerance = 1e-5;
   s.scheme = scheme_named(scheme);
