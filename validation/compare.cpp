@@ -53,7 +53,10 @@ ComparisonResult compare_all(const std::filesystem::path& reference_folder,
   const auto error_bar = reference_folder / "error_bar.json";
   if (std::filesystem::exists(error_bar)) result.error_bar = ErrorBar(error_bar);
   if (result.error_bar.empty()) {
-    result.doubts.emplace_back("the reference's own error was not measured in this comparison");
+    result.doubts.emplace_back(
+        acceptance.reference_error.empty()
+            ? "the reference's own error was not measured in this comparison"
+            : "the reference's own error is the one that the acceptance states, not measured here");
   }
   for (const auto& folder : candidates) {
     const std::string name = std::filesystem::weakly_canonical(folder).filename().string();

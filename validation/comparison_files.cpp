@@ -113,7 +113,12 @@ bool ComparisonResult::accepted() const {
   const bool all_there =
       std::none_of(planned_but_absent.begin(), planned_but_absent.end(),
                    [&](const std::string& name) { return !acceptance.run(name)->limits.empty(); });
-  return all_there &&
+  const auto any_judged = [](const RunComparison& run) {
+    return std::any_of(run.measurements.begin(), run.measurements.end(),
+                       [](const Measurement& m) { return m.limit.has_value(); });
+  };
+  // Nothing judged is nothing shown.
+  return all_there && std::any_of(runs.begin(), runs.end(), any_judged) &&
          std::all_of(runs.begin(), runs.end(), [](const RunComparison& r) { return r.accepted(); });
 }
 
@@ -129,6 +134,11 @@ void write_comparison(const ComparisonResult& result, const std::filesystem::pat
   out["absent"] = result.planned_but_absent;
   out["reference"] = {{"folder", relative_to(result.reference_folder, folder)},
                       {"error_bar", error_bar_json(result.error_bar)}};
+  out["reference"]["stated_error"] = Json::array();
+  for (const auto& [name, stated] : result.acceptance.reference_error) {
+    out["reference"]["stated_error"].push_back(
+        {{"measure", name}, {"error", stated.value}, {"because", stated.because}});
+  }
   out["measures"] = Json::array();
   for (const Measure& entry : measures()) {
     out["measures"].push_back({{"name", entry.name},

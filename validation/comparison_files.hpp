@@ -19,7 +19,8 @@ struct ComparisonResult {
   std::vector<RunComparison> runs;
   std::vector<std::string> planned_but_absent;  ///< runs of the acceptance that were not compared
   std::vector<std::string> doubts;              ///< what a reader of the verdicts should know first
-  /// Whether every limit was measured and passed, and no run that has limits is absent.
+  /// Whether there are limits, every one was measured and passed, and no run that has some is
+  /// absent.
   bool accepted() const;
 };
 

@@ -245,6 +245,9 @@ TEST_F(ComparisonTest, LeavesWholeFiles) {
   EXPECT_EQ(lines, 1 + result.runs[0].measurements.size());
   EXPECT_NE(verdict_table(result).find("within the acceptance"), std::string::npos);
 
+  result.runs[0] = compare_with({}, "paper");
+  EXPECT_FALSE(result.accepted());  // nothing judged
+
   result.planned_but_absent = {"recommended"};  // a run with limits that was not made
   EXPECT_FALSE(result.accepted());
 }
