@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <random>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -107,6 +108,18 @@ Particles<dim> fill_lattice(const Problem& problem, double spacing, const Table&
   return particles;
 }
 
+/// Moves each fluid particle by up to `disorder` spacings along each axis. Numbers are drawn from the generator's
+/// own bits, so a seed means the same places everywhere.
+template <int dim>
+void disturb(Particles<dim>& particles, double disorder, std::uint64_t seed) {
+  std::mt19937_64 generator(seed);
+  for (std::size_t i = particles.solids; i < particles.size(); ++i)
+    for (int d = 0; d < dim; ++d) {
+      const double unit = static_cast<double>(generator() >> 11) * 0x1p-53;
+      particles.position[i][d] += disorder * particles.spacing * (2.0 * unit - 1.0);
+    }
+}
+
 /// A body must hold at least two particles across each side; fewer than four is worth a warning.
 template <int dim>
 void check_thickness(const Document& document, const Problem& problem, double spacing,
@@ -173,6 +186,11 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
 
   auto particles = fill_lattice<dim>(problem, spacing, sph, scene.bodies);
   check_thickness<dim>(document, problem, spacing, particles, scene.bodies, scene.warnings);
+  const double disorder = sph.number_or("disorder", 0.0);
+  if (disorder < 0.0 || disorder > 0.3)
+    sph.refuse("disorder", "is a fraction of the spacing; choose 0 (the lattice) to 0.3");
+  const long seed = sph.integer_or("seed", 1);
+  if (disorder > 0.0) disturb(particles, disorder, static_cast<std::uint64_t>(seed));
   scene.simulation =
       std::make_unique<Simulation<dim>>(numerics, std::move(particles), walls_of<dim>(problem));
   auto& simulation = *scene.simulation;

@@ -40,8 +40,9 @@ class InflowSide {
   /// After the motion: roles change, particles are created. Order is restored by sort_by_role.
   void exchange(Particles<dim>& particles, double time, ParticleBooks& books) const;
   Vector<dim> velocity_at(const Vector<dim>& x, double time) const;
-  /// Whether a fluid particle has drifted out against the inflow.
-  bool upstream(const Vector<dim>& x) const { return plane_.depth(x) > 0.0; }
+  /// Whether a fluid particle has drifted out against the inflow. One that has just entered may be shifted back
+  /// over the side by a hair; it is carried in again.
+  bool upstream(const Vector<dim>& x) const { return plane_.depth(x) > 0.5 * spacing_; }
   /// Volume flux into the domain, m2/s (m3/s in space), at time t.
   double flux(double time) const;
   const OpenPlane<dim>& plane() const { return plane_; }
