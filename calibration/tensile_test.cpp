@@ -1,0 +1,207 @@
+#include "calibration/tensile_test.hpp"
+
+#include "calibration/equilibrium.hpp"
+#include "sph/simulation.hpp"
+#include "sph/time_step.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+
+namespace sprung::calibration {
+
+namespace {
+
+/// A dead force on each particle and a damping that is the same for all: brings a body to rest.
+template <int dim>
+class DampedLoad final : public sph::Acceleration<dim> {
+ public:
+  /// `acceleration` in m/s2, one per particle; `damping` in 1/s.
+  DampedLoad(std::vector<Vector<dim>> acceleration, double damping)
+      : load_(std::move(acceleration)), damping_(damping) {}
+  void add_acceleration(const sph::State<dim>& state,
+                        std::vector<Vector<dim>>& acceleration) override {
+    for (std::size_t i = 0; i < load_.size(); ++i)
+      acceleration[i] += load_[i] - damping_ * state.particles.velocity[i];
+  }
+
+ private:
+  std::vector<Vector<dim>> load_;
+  double damping_;
+};
+
+/// Adds what the corrector's gradient leaves out at a free surface. In vacuum sph::Simulation corrects with
+/// sum V psi_j grad W, of which a particle near the surface gets only its own part: a body under uniform
+/// pressure is pushed by half of it. With sum V (psi_i + psi_j) grad W, the negative adjoint of the divergence
+/// of Eq. 3, the forces between two particles are opposite and the section carries the whole; on a full lattice
+/// nothing changes.
+template <int dim>
+class BalancedPressure final : public sph::Constraint<dim> {
+ public:
+  void constrain(sph::State<dim>& state, const std::vector<Vector<dim>>&) override {
+    auto& particles = state.particles;
+    const auto& points = state.images.points();
+    const double scale = state.clock.time_step * particles.volume;
+    for (std::size_t i = 0; i < particles.unknowns; ++i) {
+      const auto near = state.support.of(i);
+      Vector<dim> sum = Vector<dim>::Zero();
+      for (std::size_t k = 0; k < near.index.size(); ++k)
+        sum += near.gradient_factor[k] * (points[i] - points[near.index[k]]);
+      particles.velocity[i] += scale * particles.pseudo_pressure[i] * sum;
+    }
+  }
+};
+
+template <int dim>
+std::array<int, dim> cube(int layers) {
+  std::array<int, dim> count;
+  count.fill(layers);
+  return count;
+}
+
+/// Force on each particle, N (N/m in the plane): + load on the last layer, - load on the first.
+template <int dim>
+std::vector<Vector<dim>> end_forces(const Pull& pull, double spacing) {
+  const auto count = cube<dim>(pull.layers);
+  std::vector<Vector<dim>> force(static_cast<std::size_t>(std::lround(std::pow(pull.layers, dim))),
+                                 Vector<dim>::Zero());
+  const double size = pull.load * spring_stiffness * std::pow(spacing, dim - 1);
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    const int along = lattice_place<dim>(i, count)[0];
+    if (along == 0) force[i][0] = -size;
+    if (along == pull.layers - 1) force[i][0] = size;
+  }
+  return force;
+}
+
+/// Change of the distance between two layers over the distance at rest.
+template <int dim>
+double strain_between(const std::vector<Vector<dim>>& rest, const std::vector<Vector<dim>>& now,
+                      int layers, int margin) {
+  const auto count = cube<dim>(layers);
+  double sum = 0.0;
+  int per_layer = 0;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const int along = lattice_place<dim>(i, count)[0];
+    const double u = now[i][0] - rest[i][0];
+    if (along == margin) sum -= u;
+    if (along == layers - 1 - margin) {
+      sum += u;
+      ++per_layer;
+    }
+  }
+  const double spacing = side / layers;
+  return sum / per_layer / ((layers - 1 - 2 * margin) * spacing);
+}
+
+template <int dim>
+PulledBlock measure(const std::vector<Vector<dim>>& rest, const std::vector<Vector<dim>>& now,
+                    int layers) {
+  const int margin = layers / 4;
+  PulledBlock result;
+  result.strain_ends = strain_between<dim>(rest, now, layers, 0);
+  result.strain_inner = strain_between<dim>(rest, now, layers, margin);
+  using Square = Eigen::Matrix<double, dim, dim>;
+  const auto count = cube<dim>(layers);
+  const Vector<dim> centre = Vector<dim>::Constant(0.5 * side);
+  Square moment = Square::Zero(), product = Square::Zero();
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const auto place = lattice_place<dim>(i, count);
+    bool core = true;
+    for (const int p : place) core = core && p >= margin && p <= layers - 1 - margin;
+    if (!core) continue;
+    const Vector<dim> x = rest[i] - centre;
+    moment += x * x.transpose();
+    product += (now[i] - rest[i]) * x.transpose();
+  }
+  const Square gradient = product * moment.inverse();
+  result.core_axial = gradient(0, 0);
+  result.core_lateral = (gradient.trace() - gradient(0, 0)) / (dim - 1);
+  return result;
+}
+
+}  // namespace
+
+template <int dim>
+PulledBlock pull_by_particle_solver(const Material& material, const Pull& pull) {
+  const double spacing = side / pull.layers;
+  auto particles = block<dim>(cube<dim>(pull.layers), spacing);
+  const auto rest = particles.position;
+  auto network = network_of<dim>(particles, shape_of<dim>(cube<dim>(pull.layers), spacing), material);
+  const double wave_speed = std::sqrt(spring_stiffness / density);
+
+  sph::Numerics numerics;
+  numerics.smoothing_length_ratio = pull.smoothing_length_ratio;
+  numerics.normalised_gradient = true;
+  numerics.position_update = sph::PositionUpdate::new_velocity;
+  // A wrong volume is corrected at the rate c/(2 dx), within a few steps.
+  numerics.density_feedback = 0.5;
+  numerics.pressure_tolerance = 1e-8;
+  numerics.pressure_solver = sph::PressureSolverKind::two_level;
+  numerics.bonds = material.bonds;
+  numerics.courant = 1.0;
+
+  auto springs = std::make_unique<sph::ElasticSolid<dim>>(std::move(network), particles,
+                                                          sph::SpringIntegration::explicit_force);
+  const double mass = particles.mass();
+  auto load = end_forces<dim>(pull, spacing);
+  for (auto& f : load) f /= mass;
+  // Half of critical for the slowest stretching mode, omega = pi c / L, c = sqrt(3 k_e/rho) or more slowly.
+  const double slowest = std::numbers::pi * wave_speed * std::sqrt(dim == 2 ? 2.0 : 3.0) / side;
+  const double damping = 1.5 * slowest;
+  sph::Simulation<dim> simulation(numerics, std::move(particles), {});
+  simulation.effects().limits.push_back(springs.get());
+  simulation.effects().body_forces.push_back(std::move(springs));
+  simulation.effects().body_forces.push_back(
+      std::make_unique<DampedLoad<dim>>(std::move(load), damping));
+  BalancedPressure<dim> balanced_pressure;
+  simulation.effects().constraints.push_back(&balanced_pressure);
+  simulation.stand_in_vacuum();
+  simulation.start(wave_speed, 0.0);
+
+  const int window = static_cast<int>(2.0 / (damping * simulation.time_step_limit().value)) + 1;
+  const auto& position = simulation.state().particles.position;
+  double before = 0.0;
+  for (int steps = 1; steps <= 200 * window; ++steps) {
+    sph::advance(simulation);
+    if (steps % window != 0) continue;
+    PulledBlock result = measure<dim>(rest, position, pull.layers);
+    if (!std::isfinite(result.strain_ends)) break;
+    if (std::abs(result.strain_ends - before) < pull.tolerance * std::abs(result.strain_ends)) {
+      result.steps = steps;
+      double fastest = 0.0;
+      for (const auto& u : simulation.state().particles.velocity) fastest = std::max(fastest, u.norm());
+      result.unbalanced = fastest * damping * mass /
+                          (std::abs(pull.load) * spring_stiffness * std::pow(spacing, dim - 1));
+      return result;
+    }
+    before = result.strain_ends;
+  }
+  throw std::runtime_error(fmt::format(
+      "tensile test, {}D, {} bonds, {} layers, load {}: not at rest after {} steps", dim,
+      to_string(material.bonds), pull.layers, pull.load, 200 * window));
+}
+
+template <int dim>
+PulledBlock pull_network(const Material& material, const Pull& pull) {
+  const double spacing = side / pull.layers;
+  auto particles = block<dim>(cube<dim>(pull.layers), spacing);
+  const auto rest = particles.position;
+  const auto network =
+      network_of<dim>(particles, shape_of<dim>(cube<dim>(pull.layers), spacing), material);
+  const double unbalanced =
+      find_equilibrium<dim>(network, particles, end_forces<dim>(pull, spacing));
+  PulledBlock result = measure<dim>(rest, particles.position, pull.layers);
+  result.unbalanced = unbalanced;
+  return result;
+}
+
+template PulledBlock pull_by_particle_solver<2>(const Material&, const Pull&);
+template PulledBlock pull_by_particle_solver<3>(const Material&, const Pull&);
+template PulledBlock pull_network<2>(const Material&, const Pull&);
+template PulledBlock pull_network<3>(const Material&, const Pull&);
+
+}  // namespace sprung::calibration
