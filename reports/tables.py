@@ -42,7 +42,7 @@ def number(value: float | None, measure: str, unit: str) -> str:
     if measure in PLAIN_NUMBERS:
         return f"{value:.3f}"
     if unit == "1":
-        return f"{100 * value:.2f} %" if abs(value) >= 1e-4 or value == 0 else f"{100 * value:.1e} %"
+        return f"{100 * value:.2f} %" if abs(value) >= 1e-4 or value == 0 else f"{100 * value:.1g} %"
     if unit == "m":
         return f"{1e3 * value:.3g} mm"
     if unit == "s" and abs(value) < 1.0:
@@ -128,6 +128,13 @@ class Tables:
 
     def reported(self, run: dict, timed: bool) -> list[Row]:
         return self._rows(run, timed, lambda members: all(m["limit"] is None for m in members))
+
+    def error_bar_cost(self) -> tuple[int, float] | None:
+        """How many further runs the reference's error bar took, and their processor seconds."""
+        file = self._records[0].folder / "error_bar.json"
+        runs = json.loads(file.read_text()).get("runs", []) if file.is_file() else []
+        further = [run["processor_seconds"] for run in runs if run["name"] != "this run"]
+        return (len(further), sum(further)) if further else None
 
     def costs(self) -> list[dict]:
         rows = []

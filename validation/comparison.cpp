@@ -306,14 +306,16 @@ void compare_outlines(const Pair& pair, std::vector<Measurement>& out) {
       for (std::size_t i = 0; i < start.size(); ++i) {
         moved = std::max(moved, std::hypot(there[i][0] - start[i][0], there[i][1] - start[i][1]));
       }
-      out.push_back(taken("outline_distance", probe.name, time, distance.largest));
-      out.push_back(taken("outline_distance_rms", probe.name, time, distance.rms));
+      const auto error = root_of_squares(pair.error_bar.at(probe.name + ".x", time),
+                                         pair.error_bar.at(probe.name + ".y", time));
+      out.push_back(taken("outline_distance", probe.name, time, distance.largest, error));
+      out.push_back(taken("outline_distance_rms", probe.name, time, distance.rms, error));
       out.push_back(moved > 0.0 ? taken("outline_distance_relative", probe.name, time,
-                                        distance.largest / moved)
+                                        distance.largest / moved, scaled(error, moved))
                                 : missing("outline_distance_relative", probe.name, time,
                                           "the reference has not moved: no relative distance"));
       out.push_back(
-          taken("outline_distance_material", probe.name, time, distance.largest_material));
+          taken("outline_distance_material", probe.name, time, distance.largest_material, error));
     }
   }
 }

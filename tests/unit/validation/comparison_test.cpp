@@ -152,6 +152,8 @@ TEST_F(ComparisonTest, OutlineDistanceIsThatOfTheBends) {
               std::hypot(0.1 * x, 0.21 * y), 1e-9);
   const double curves = *find(comparison, "outline_distance", 3.0).value;
   EXPECT_GT(curves, 0.0);
+  EXPECT_NEAR(*find(comparison, "outline_distance", 3.0).reference_error, std::sqrt(2.0) * 4e-5,
+              1e-12);
   EXPECT_LE(curves,
             std::hypot(0.1 * x, 0.21 * y) * (1.0 + 1e-12));  // the tip's corner is the farthest
   EXPECT_NEAR(*find(comparison, "outline_distance_relative", 3.0).value, curves / std::hypot(x, y),

@@ -252,6 +252,8 @@ void write_error_bar(const std::filesystem::path& folder, double relative) {
   add("tip.displacement_y", 0.04);
   add("profile.velocity_x", 0.75);
   add("force.force_x", 20.0);
+  add("outline.x", 0.04);
+  add("outline.y", 0.04);
   std::ofstream(folder / "error_bar.json") << nlohmann::json{{"quantities", quantities}}.dump(1);
 }
 

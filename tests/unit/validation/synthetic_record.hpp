@@ -38,7 +38,7 @@ void write_run(const std::filesystem::path& folder, const Deviation& deviation,
                const std::string& preset = "recommended", bool with_fields = false);
 
 /// Writes error_bar.json with one half-width per quantity at all probe times: `relative` times 40
-/// mm for the tip, times 0.75 m/s for the profile, times 20 N/m for the force.
+/// mm for the tip and the outline, times 0.75 m/s for the profile, times 20 N/m for the force.
 void write_error_bar(const std::filesystem::path& folder, double relative);
 
 }  // namespace sprung::synthetic
