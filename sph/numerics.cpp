@@ -3,6 +3,8 @@
 #include <array>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace sprung::sph {
 
 namespace {
@@ -52,11 +54,11 @@ void choose(const Table& table, const std::string& key, const std::vector<std::s
     if (words[k] == word) value = static_cast<Choice>(k);
 }
 
-void read_positive(const Table& table, const std::string& key, double low, double high,
+void read_between(const Table& table, const std::string& key, double low, double high,
                    double& value) {
   value = table.number_or(key, value);
   if (value < low || value > high)
-    table.refuse(key, "must lie between " + std::to_string(low) + " and " + std::to_string(high));
+    table.refuse(key, fmt::format("must lie between {} and {}", low, high));
 }
 
 }  // namespace
@@ -66,20 +68,20 @@ Numerics read_numerics(Document& document) {
   Numerics n = table.word_or("preset", {"recommended", "paper"}, "recommended") == "paper"
                    ? paper()
                    : recommended();
-  read_positive(table, "smoothing_length_ratio", 0.8, 2.0, n.smoothing_length_ratio);
+  read_between(table, "smoothing_length_ratio", 0.8, 2.0, n.smoothing_length_ratio);
   n.normalised_gradient = table.flag_or("normalised_gradient", n.normalised_gradient);
   choose(table, "position_update", {"mean_velocity", "new_velocity"}, n.position_update);
   choose(table, "shifting", {"none", "xu"}, n.shifting);
-  read_positive(table, "shifting_coefficient", 0.0, 1.0, n.shifting_coefficient);
-  read_positive(table, "density_feedback", 0.0, 100.0, n.density_feedback);
-  read_positive(table, "pressure_tolerance", 1e-14, 0.5, n.pressure_tolerance);
+  read_between(table, "shifting_coefficient", 0.0, 1.0, n.shifting_coefficient);
+  read_between(table, "density_feedback", 0.0, 100.0, n.density_feedback);
+  read_between(table, "pressure_tolerance", 1e-14, 0.5, n.pressure_tolerance);
   choose(table, "pressure_solver", {"bicgstab", "two_level"}, n.pressure_solver);
   choose(table, "bonds", {"equal", "isotropic"}, n.bonds);
   choose(table, "solid_no_slip", {"centres", "face"}, n.solid_no_slip);
   n.surface_correction = table.flag_or("surface_correction", n.surface_correction);
-  read_positive(table, "area_stiffness", 0.0, 1e4, n.area_stiffness);
+  read_between(table, "area_stiffness", 0.0, 1e4, n.area_stiffness);
   choose(table, "spring_integration", {"explicit", "implicit"}, n.spring_integration);
-  read_positive(table, "courant", 1e-4, 2.0, n.courant);
+  read_between(table, "courant", 1e-4, 2.0, n.courant);
   return n;
 }
 

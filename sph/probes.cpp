@@ -2,6 +2,8 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
+
 namespace sprung::sph {
 
 namespace {
@@ -83,11 +85,17 @@ std::vector<Vector<dim>> displacement_of(const ElasticSolid<dim>& solid,
   std::vector<Vector<dim>> result;
   for (const auto& point : points) {
     std::vector<Vector<dim>> offsets, values;
-    for (std::size_t i = first; i < last; ++i) {
-      const Vector<dim> r = (reference[i] - point) / dx;
-      if (r.norm() > 2.1) continue;
-      offsets.push_back(r);
-      values.push_back(particles.position[i] - reference[i]);
+    // A corner has few particles near it: look farther until there are twice as many as the fit has terms.
+    for (double reach = 2.1; offsets.size() < std::min<std::size_t>(2 * (dim + 1), last - first);
+         reach += 0.5) {
+      offsets.clear();
+      values.clear();
+      for (std::size_t i = first; i < last; ++i) {
+        const Vector<dim> r = (reference[i] - point) / dx;
+        if (r.norm() > reach) continue;
+        offsets.push_back(r);
+        values.push_back(particles.position[i] - reference[i]);
+      }
     }
     const std::vector<double> weights(offsets.size(), 1.0);
     result.push_back(fitted_value<dim>(offsets, weights, values, 1));

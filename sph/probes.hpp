@@ -14,7 +14,8 @@ template <int dim>
 std::vector<Vector<dim>> velocity_at(const State<dim>& state, const std::vector<Vector<dim>>& places);
 
 /// Displacement of material points of the solid: the linear least-squares fit of the displacements of the
-/// solid particles that lay within 2.1 dx of the point at rest. `first`, `last`: the body's particles.
+/// solid particles that lay within 2.1 dx of the point at rest (farther at a corner, until there are twice as
+/// many as the fit has terms). `first`, `last`: the body's particles.
 template <int dim>
 std::vector<Vector<dim>> displacement_of(const ElasticSolid<dim>& solid,
                                          const Particles<dim>& particles, std::size_t first,

@@ -1,0 +1,136 @@
+#include "sph/boundary/images.hpp"
+
+#include "tests/unit/sph/particle_blocks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace sprung::sph {
+namespace {
+
+Wall<2> bottom(bool no_slip, Vector<2> velocity = Vector<2>::Zero()) {
+  return {1, 0.0, 1, no_slip, velocity};
+}
+
+Particles<2> two_particles() {
+  // One inside the reach of a wall at y = 0, one beyond it.
+  return test::particles_at<2>({{0.4, 0.03}, {0.6, 0.30}}, 0.1);
+}
+
+TEST(Images, AreMirroredAlongTheNormalWithinReach) {
+  const auto particles = two_particles();
+  Images<2> images({bottom(true)});
+  images.mirror(particles, 0.2);
+  ASSERT_EQ(images.size(), 1u);
+  ASSERT_EQ(images.points().size(), 3u);
+  EXPECT_EQ(images.points()[0], particles.position[0]);
+  EXPECT_EQ(images.points()[1], particles.position[1]);
+  EXPECT_EQ(images.points()[2], Vector<2>(0.4, -0.03));
+  EXPECT_EQ(images.source(2), 0);
+  EXPECT_EQ(images.source(1), 1);
+}
+
+TEST(Images, NoneForAParticleOutsideTheWall) {
+  const auto particles = test::particles_at<2>({{0.4, -0.03}, {0.4, 0.03}}, 0.1);
+  Images<2> images({bottom(true)});
+  images.mirror(particles, 0.2);
+  EXPECT_EQ(images.size(), 1u);
+  EXPECT_TRUE(images.outside_a_wall(particles.position[0]));
+  EXPECT_FALSE(images.outside_a_wall(particles.position[1]));
+}
+
+TEST(Images, NoSlipTurnsTheVelocityRound) {
+  const auto particles = two_particles();
+  Images<2> images({bottom(true)});
+  images.mirror(particles, 0.2);
+  const std::vector<Vector<2>> velocity{{0.7, -0.2}, {5.0, 5.0}};
+  std::vector<Vector<2>> extended;
+  images.extend_for_viscosity(velocity, extended);
+  ASSERT_EQ(extended.size(), 3u);
+  EXPECT_EQ(extended[0], velocity[0]);
+  EXPECT_EQ(extended[1], velocity[1]);
+  EXPECT_EQ(extended[2], Vector<2>(-0.7, 0.2));  // mean with its source: zero, the wall's
+}
+
+TEST(Images, MovingWallIsMetHalfWay) {
+  const auto particles = two_particles();
+  const Vector<2> lid(1.5, 0.0);
+  Images<2> images({bottom(true, lid)});
+  images.mirror(particles, 0.2);
+  const std::vector<Vector<2>> velocity{{0.7, -0.2}, {5.0, 5.0}};
+  std::vector<Vector<2>> extended;
+  images.extend_for_viscosity(velocity, extended);
+  EXPECT_NEAR((0.5 * (extended[0] + extended[2]) - lid).norm(), 0.0, 1e-15);
+}
+
+TEST(Images, FreeSlipTurnsTheNormalPartOnly) {
+  const auto particles = two_particles();
+  Images<2> images({bottom(false)});
+  images.mirror(particles, 0.2);
+  std::vector<Vector<2>> extended;
+  images.extend_for_viscosity({{0.7, -0.2}, {5.0, 5.0}}, extended);
+  EXPECT_EQ(extended[2], Vector<2>(0.7, 0.2));
+}
+
+TEST(Images, DivergenceSeesTheNormalPartTurnedRoundAtEitherWall) {
+  const auto particles = two_particles();
+  for (const bool no_slip : {true, false}) {
+    Images<2> images({bottom(no_slip)});
+    images.mirror(particles, 0.2);
+    std::vector<Vector<2>> extended;
+    images.extend_for_divergence({{0.7, -0.2}, {5.0, 5.0}}, extended);
+    EXPECT_EQ(extended[2], Vector<2>(0.7, 0.2));
+  }
+}
+
+TEST(Images, CornerIsMirroredTwice) {
+  const auto particles = test::particles_at<2>({{0.02, 0.03}}, 0.1);
+  Images<2> images({{0, 0.0, 1, true, {0.0, 0.25}}, bottom(false)});
+  images.mirror(particles, 0.2);
+  ASSERT_EQ(images.size(), 3u);
+  const std::vector<Vector<2>> places(images.points().begin() + 1, images.points().end());
+  EXPECT_EQ(places[0], Vector<2>(-0.02, 0.03));
+  EXPECT_EQ(places[1], Vector<2>(0.02, -0.03));
+  EXPECT_EQ(places[2], Vector<2>(-0.02, -0.03));
+  for (int m = 1; m < 4; ++m) EXPECT_EQ(images.source(m), 0);
+  std::vector<Vector<2>> extended;
+  // No slip on the left (wall velocity 0.25 along y), free slip below, one after the other.
+  images.extend_for_viscosity({{0.7, -0.2}}, extended);
+  EXPECT_NEAR((extended[1] - Vector<2>(-0.7, 0.7)).norm(), 0.0, 1e-15);
+  EXPECT_NEAR((extended[2] - Vector<2>(0.7, 0.2)).norm(), 0.0, 1e-15);
+  EXPECT_NEAR((extended[3] - Vector<2>(-0.7, -0.7)).norm(), 0.0, 1e-15);
+  images.extend_for_divergence({{0.7, -0.2}}, extended);
+  EXPECT_EQ(extended[1], Vector<2>(-0.7, -0.2));
+  EXPECT_EQ(extended[2], Vector<2>(0.7, 0.2));
+  EXPECT_EQ(extended[3], Vector<2>(-0.7, 0.2));
+}
+
+TEST(Images, CornerOfThreeWallsHasSeven) {
+  const auto particles = test::particles_at<3>({{0.02, 0.03, 0.01}}, 0.1);
+  Images<3> images(test::walls_of_box<3>({1.0, 1.0, 1.0}, true));
+  images.mirror(particles, 0.2);
+  ASSERT_EQ(images.size(), 7u);
+  std::set<std::array<double, 3>> places;
+  for (std::size_t m = 1; m < 8; ++m) {
+    const auto& x = images.points()[m];
+    places.insert({x[0], x[1], x[2]});
+    EXPECT_NEAR(x.norm(), particles.position[0].norm(), 1e-16);
+  }
+  EXPECT_EQ(places.size(), 7u);
+}
+
+TEST(Images, ContinueTheLatticeBeyondTheWalls) {
+  // Walls half a spacing outside the outer rows: particles and images together fill 8 x 7 cells.
+  const auto particles = test::particles_at<2>(test::lattice<2>({4, 3}, 0.25), 0.25);
+  Images<2> images(test::walls_of_box<2>({1.0, 0.75}, true));
+  images.mirror(particles, 0.5);
+  EXPECT_EQ(images.points().size(), 8u * 7u);
+  std::set<std::pair<long, long>> sites;
+  for (const auto& x : images.points())
+    sites.insert({std::lround(x[0] / 0.25 - 0.5), std::lround(x[1] / 0.25 - 0.5)});
+  EXPECT_EQ(sites.size(), 8u * 7u);
+}
+
+}  // namespace
+}  // namespace sprung::sph

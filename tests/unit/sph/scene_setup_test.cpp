@@ -1,0 +1,184 @@
+#include "sph/scene_setup.hpp"
+
+#include "tests/unit/scene/beam_scene.hpp"
+#include "tests/unit/scene/temporary_folder.hpp"
+#include "tests/unit/sph/channel_scene.hpp"
+
+#include <gtest/gtest.h>
+
+namespace sprung::sph {
+namespace {
+
+using sprung::test::error_of;
+using sprung::test::scene_error;
+using sprung::test::TemporaryFolder;
+using test::ChannelScene;
+
+ParticleScene<2> set_up(const ChannelScene& scene) {
+  const TemporaryFolder folder;
+  Document document = scene.document();
+  return sph::set_up<2>(document, test::plane_modulus_table(folder.path() / "table.csv"));
+}
+
+void expect_contains(const std::string& text, const std::vector<std::string>& words) {
+  for (const auto& word : words) EXPECT_NE(text.find(word), std::string::npos) << word << " in: " << text;
+}
+
+TEST(ModulusTable, GivesTheRowOfTheRequest) {
+  const TemporaryFolder folder;
+  const auto table = test::plane_modulus_table(folder.path() / "table.csv");
+  EXPECT_EQ(table.modulus_per_stiffness(2, Bonds::equal, 0.0), 1.5);
+  EXPECT_EQ(table.modulus_per_stiffness(2, Bonds::isotropic, 300.0), 1.49504950495);
+}
+
+TEST(ModulusTable, SaysWhatIsMissing) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "table.csv";
+  const auto table = test::plane_modulus_table(file);
+  expect_contains(error_of([&] { table.modulus_per_stiffness(3, Bonds::equal, 0.0); }),
+                  {"table.csv", "3D", "equal", "2D, isotropic bonds, area stiffness 300", "calibrate"});
+  expect_contains(error_of([&] { table.modulus_per_stiffness(2, Bonds::isotropic, 299.0); }), {"299"});
+  expect_contains(error_of([&] { ModulusTable(folder.path() / "none.csv"); }),
+                  {"none.csv", "sprung calibrate"});
+  for (const std::string line : {"2,equal,0", "2;equal;0;1.5", "two,equal,0,1.5", "2,equal,0,much"}) {
+    std::ofstream(file) << "header\n2,equal,0,1.5\n" << line << "\n";
+    expect_contains(error_of([&] { ModulusTable{file}; }), {"table.csv:3", line});
+  }
+}
+
+TEST(SceneSetup, FillsTheChannelAndTheBeam) {
+  const auto scene = set_up({});
+  const auto& particles = scene.simulation->state().particles;
+  EXPECT_EQ(particles.unknowns, 120u * 40u);
+  // Beam 15 mm x 100 mm at 7.5 mm: two columns of the 13 rows whose centres (3.75 mm + k 7.5 mm) lie
+  // below 100 mm.
+  EXPECT_EQ(particles.solids, 2u * 13u);
+  ASSERT_EQ(scene.bodies.size(), 1u);
+  EXPECT_EQ(scene.bodies[0].name, "beam");
+  EXPECT_EQ(scene.bodies[0].last, 26u);
+  // 2h = 2.6 dx: three columns on either side.
+  EXPECT_EQ(particles.size() - particles.unknowns, 6u * 40u);
+  for (std::size_t i = 0; i < particles.solids; ++i) {
+    EXPECT_EQ(particles.role[i], Role::solid);
+    EXPECT_GT(particles.position[i][0], 0.3);
+    EXPECT_LT(particles.position[i][0], 0.315);
+    EXPECT_LT(particles.position[i][1], 0.1);
+  }
+}
+
+TEST(SceneSetup, RefusesABeamOfOneParticle) {
+  ChannelScene scene;
+  scene.spacing = 0.015;
+  expect_contains(scene_error([&] { set_up(scene); }),
+                  {"beam.toml:", "[solid.beam]", "body", "one particle thick", "3.75 mm gives four"});
+}
+
+TEST(SceneSetup, WarnsOfABeamOfTwoAndNotOfFour) {
+  ChannelScene scene;
+  const auto coarse = set_up(scene);
+  ASSERT_EQ(coarse.warnings.size(), 1u);
+  expect_contains(coarse.warnings[0], {"[solid.beam]", "2 particles thick"});
+  scene.spacing = 0.00375;
+  EXPECT_TRUE(set_up(scene).warnings.empty());
+}
+
+TEST(SceneSetup, RefusesASpacingThatDoesNotDivideTheChannel) {
+  ChannelScene scene;
+  scene.spacing = 0.007;
+  expect_contains(scene_error([&] { set_up(scene); }), {"beam.toml:", "spacing", "nearest that does"});
+  scene.spacing = 0.0;
+  EXPECT_NE(scene_error([&] { set_up(scene); }), "");
+}
+
+TEST(SceneSetup, RefusesWhatNobodyReads) {
+  ChannelScene scene;
+  scene.sph = "spacings = \"1 mm\"";
+  expect_contains(scene_error([&] { set_up(scene); }), {"beam.toml:", "spacings", "spacing"});
+}
+
+TEST(SceneSetup, StiffnessComesFromTheTable) {
+  ChannelScene scene;
+  scene.preset = "paper";
+  const auto printed = set_up(scene);
+  // k_e = E/lambda = 0.7 MPa/1.5; in the plane a bond has k_e per metre of depth.
+  for (const Bond& bond : printed.solid->network().bonds)
+    EXPECT_NEAR(bond.stiffness, 0.7e6 / 1.5, 1e-6);
+  EXPECT_TRUE(printed.solid->network().cells.empty());
+  scene.preset = "recommended";
+  const auto corrected = set_up(scene);
+  ASSERT_FALSE(corrected.solid->network().cells.empty());
+  // kappa G, G = k_e/2; twice that where half the cell is the clamp's.
+  const double modulus = 300.0 * 0.5 * 0.7e6 / 1.49504950495;
+  for (const auto& cell : corrected.solid->network().cells) {
+    const bool at_clamp = *std::max_element(cell.corner.begin(), cell.corner.end()) >= 26;
+    EXPECT_NEAR(cell.modulus, at_clamp ? 2.0 * modulus : modulus, 1e-6 * modulus);
+  }
+}
+
+// CFL 0.4 x 7.5 mm / (2 x 0.75 m/s) = 2 ms. Viscosity 0.125 (1.3 dx)^2/nu = 11.9 ms.
+TEST(SceneSetup, TimeStepIsSetByTheSmallestLimit) {
+  ChannelScene scene;
+  const auto recommended = set_up(scene);
+  EXPECT_NEAR(recommended.simulation->time_step_limit().value, 2e-3, 1e-12);
+  expect_contains(recommended.simulation->time_step_limit().limit, {"CFL"});
+  scene.viscosity = 100.0;
+  EXPECT_NEAR(set_up(scene).simulation->time_step_limit().value, 0.125 * std::pow(1.3 * 0.0075, 2) / 0.1,
+              1e-12);
+  scene.viscosity = 1.0;
+  scene.preset = "paper";
+  // Explicit springs: 0.8 x 0.7071 dx sqrt(rho/k_e) in a large block (method.md section 2); the beam of two
+  // columns has a lower highest frequency, and a clamp.
+  const double block = 0.8 * 0.70711 * 0.0075 * std::sqrt(1000.0 * 1.5 / 0.7e6);
+  const auto printed = set_up(scene).simulation->time_step_limit();
+  EXPECT_GT(printed.value, 0.99 * block);
+  EXPECT_LT(printed.value, 1.3 * block);
+  expect_contains(printed.limit, {"springs"});
+}
+
+// A table that is present is an effect that exists; its absence means no object, no array.
+TEST(SceneSetup, CreatesOnlyTheEffectsThatTheSceneNames) {
+  ChannelScene scene;
+  scene.beam = false;
+  const auto fluid = set_up(scene);
+  auto& effects = fluid.simulation->effects();
+  EXPECT_EQ(fluid.solid, nullptr);
+  EXPECT_TRUE(fluid.bodies.empty());
+  EXPECT_TRUE(effects.body_forces.empty());
+  EXPECT_TRUE(effects.constraints.empty());
+  EXPECT_EQ(effects.diffusion.size(), 1u);
+  EXPECT_EQ(effects.motion.size(), 1u);
+  EXPECT_EQ(effects.limits.size(), 1u);
+  EXPECT_EQ(fluid.simulation->state().particles.carried.size(), 1u);
+  EXPECT_EQ(fluid.effects.size(), 2u);
+
+  scene.numerics = "shifting = \"none\"";
+  const auto still = set_up(scene);
+  EXPECT_TRUE(still.simulation->effects().motion.empty());
+
+  std::string inviscid = scene.text();
+  const std::string table = "[viscosity]\ndynamic = \"1 Pa s\"\n";
+  inviscid.replace(inviscid.find(table), table.size(), "");
+  inviscid.replace(inviscid.find("no_slip"), 7, "free_slip");
+  Document document = Document::from_text(inviscid);
+  const TemporaryFolder folder;
+  const auto ideal = sph::set_up<2>(document, test::plane_modulus_table(folder.path() / "table.csv"));
+  EXPECT_TRUE(ideal.simulation->effects().diffusion.empty());
+  EXPECT_TRUE(ideal.simulation->effects().limits.empty());
+  EXPECT_TRUE(ideal.simulation->state().particles.carried.empty());
+}
+
+TEST(SceneSetup, ABeamBringsItsEffects) {
+  ChannelScene scene;
+  const auto recommended = set_up(scene);
+  EXPECT_EQ(recommended.simulation->effects().body_forces.size(), 1u);
+  EXPECT_EQ(recommended.simulation->effects().constraints.size(), 1u);
+  EXPECT_EQ(recommended.simulation->effects().limits.size(), 1u);  // implicit springs set none
+  scene.preset = "paper";
+  const auto printed = set_up(scene);
+  EXPECT_EQ(printed.simulation->effects().body_forces.size(), 1u);
+  EXPECT_TRUE(printed.simulation->effects().constraints.empty());
+  EXPECT_EQ(printed.simulation->effects().limits.size(), 2u);
+}
+
+}  // namespace
+}  // namespace sprung::sph
