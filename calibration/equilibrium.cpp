@@ -13,8 +13,8 @@ double find_equilibrium(sph::ElasticNetwork<dim> network, sph::Particles<dim>& p
   using sph::Vector;
   const std::size_t n = network.movable;
   const double mass = particles.mass();
-  // Long enough that inertia is 1e-10 of the stiffest spring; what is left of it holds a free body in place.
-  const double time_step = 1e5 / sph::highest_frequency(network, mass);
+  // Long enough that inertia is 1e-8 of the stiffest spring; what is left of it holds a free body in place.
+  const double time_step = 1e4 / sph::highest_frequency(network, mass);
   sph::State<dim> state{particles, sph::Images<dim>({}), {}, sph::Kernel<dim>(particles.spacing),
                         {0.0, time_step, 0.0, 0}};
   sph::ElasticSolid<dim> solid(network, particles, sph::SpringIntegration::implicit_force);
