@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
   run.add_option("--threads", a.threads, "threads; the bits do not depend on it")->check(CLI::Range(1, 256));
   run.add_flag("--resume", a.resume, "continue from the last checkpoint, if there is one");
   run.add_flag("--overwrite", a.overwrite, "replace a record that stands in --out");
-  run.add_option("--until", a.until, "pause at this time (s) and leave a checkpoint");
+  run.add_option("--until", a.until, "pause after the step that reaches this time (s) and leave a checkpoint");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

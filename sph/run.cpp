@@ -277,17 +277,10 @@ Manifest manifest_of(const Document& document, const ParticleScene<dim>& scene) 
   return manifest;
 }
 
-/// The times at which the run must stand still: probes, snapshots, the end.
-std::vector<double> stops_of(const Problem& problem, double end) {
+/// The times at which the run must stand still: probes, snapshots, the end. Ascending.
+std::vector<double> stops_of(const Problem& problem) {
   std::vector<double> stops = problem.probes.all_times;
-  if (problem.fields_every > 0.0)
-    for (int k = 1; k * problem.fields_every < end; ++k) stops.push_back(k * problem.fields_every);
-  stops.push_back(end);
-  std::sort(stops.begin(), stops.end());
-  stops.erase(std::unique(stops.begin(), stops.end(),
-                          [](double a, double b) { return std::abs(a - b) < 1e-9 * (1.0 + b); }),
-              stops.end());
-  while (!stops.empty() && stops.back() > end * (1.0 + 1e-12)) stops.pop_back();
+  if (stops.empty() || stops.back() < problem.end_time * (1.0 - 1e-9)) stops.push_back(problem.end_time);
   return stops;
 }
 
@@ -318,6 +311,7 @@ Outcome run(Document& document, const ModulusTable& table, const RunOptions& opt
   Measurements<dim> measurements(scene, record);
   if (resuming) measurements.restore(archive);
 
+  // A pause falls between two steps of the run that is not paused, or the resumed run would be another one.
   const double end = options.until > 0.0 ? std::min(options.until, scene.problem.end_time)
                                          : scene.problem.end_time;
   const auto save = [&] {
@@ -339,10 +333,12 @@ Outcome run(Document& document, const ModulusTable& table, const RunOptions& opt
   double last_checkpoint = wall_seconds();
   std::string fault;
   const double ledger_interval = scene.problem.end_time / ledger_rows;
-  for (const double stop : stops_of(scene.problem, end)) {
+  const std::vector<double> stops = stops_of(scene.problem);
+  if (!resuming && stops.front() == 0.0) measurements.at(0.0);
+  for (const double stop : stops) {
     if (stop <= clock.time) continue;
     simulation.stop_at(stop);
-    while (clock.time < stop && fault.empty()) {
+    while (clock.time < std::min(stop, end) && fault.empty()) {
       try {
         advance(simulation);
       } catch (const std::runtime_error& error) {
@@ -364,7 +360,7 @@ Outcome run(Document& document, const ModulusTable& table, const RunOptions& opt
       progress.advance(clock.time, fmt::format("dt {:.3g} ms, {} iterations", 1e3 * clock.time_step,
                                                simulation.pressure_report().iterations));
     }
-    if (!fault.empty()) break;
+    if (!fault.empty() || clock.time < stop) break;
     const double began = wall_seconds();
     measurements.at(stop);
     simulation.add_seconds(Action::output, wall_seconds() - began);
@@ -378,7 +374,7 @@ Outcome run(Document& document, const ModulusTable& table, const RunOptions& opt
     return Outcome::stopped;
   }
   save();
-  if (end < scene.problem.end_time) {
+  if (clock.time < stops.back()) {
     record.flush();
     return Outcome::paused;
   }

@@ -12,7 +12,7 @@ struct RunOptions {
   std::filesystem::path out;
   bool resume = false;
   bool overwrite = false;
-  double until = 0.0;  ///< s; stop here and leave a checkpoint; 0: the scene's end
+  double until = 0.0;  ///< s; pause after the step that reaches it, with a checkpoint; 0: never
 };
 
 /// How a run ended. A stop by the run's own guard is a result: the record is whole up to there.
