@@ -1,5 +1,7 @@
 #include "sph/pressure/matrix.hpp"
 
+#include <algorithm>
+
 namespace sprung::sph {
 
 template <int dim>
@@ -36,6 +38,7 @@ void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>
       }
       if (static_cast<std::size_t>(j) == i) continue;
       diagonal += a;
+      // Lower entries grow from the row's begin, upper ones from its end; where nothing was left out they meet.
       const std::size_t place = static_cast<std::size_t>(j) < i ? front++ : --back;
       column_[place] = j;
       value_[place] = a;
@@ -46,6 +49,8 @@ void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>
     }
     lower_[i] = static_cast<std::int32_t>(front - first_[i]);
     upper_[i] = static_cast<std::int32_t>(first_[i + 1] - back);
+    std::copy(&column_[back], &column_[first_[i + 1]], &column_[front]);
+    std::copy(&value_[back], &value_[first_[i + 1]], &value_[front]);
     diagonal_[i] = diagonal;
     boundary_source_[i] = source;
   }
@@ -57,8 +62,8 @@ void PressureMatrix::multiply(std::span<const double> x, std::span<double> y) co
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
     double sum = diagonal_[i] * x[i];
-    for (const Row& row : {lower(i), upper(i)})
-      for (std::int32_t k = 0; k < row.count; ++k) sum -= row.value[k] * x[row.column[k]];
+    const Row row = off_diagonal(i);
+    for (std::int32_t k = 0; k < row.count; ++k) sum -= row.value[k] * x[row.column[k]];
     y[i] = sum;
   }
 }

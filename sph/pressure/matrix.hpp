@@ -32,11 +32,14 @@ class PressureMatrix {
     const double* value;  ///< a_ij, to be subtracted
     std::int32_t count;
   };
-  /// Entries left (columns below i) and right (above i) of the diagonal.
+  /// Entries left (columns below i) and right (above i) of the diagonal, and both together.
   Row lower(std::size_t i) const { return {&column_[first_[i]], &value_[first_[i]], lower_[i]}; }
   Row upper(std::size_t i) const {
-    const std::size_t begin = first_[i + 1] - upper_[i];
+    const std::size_t begin = first_[i] + lower_[i];
     return {&column_[begin], &value_[begin], upper_[i]};
+  }
+  Row off_diagonal(std::size_t i) const {
+    return {&column_[first_[i]], &value_[first_[i]], lower_[i] + upper_[i]};
   }
 
  private:

@@ -170,11 +170,11 @@ class TwoLevel final : public PressureSolver {
       const std::size_t begin = b * sweep_block, end = std::min(n, begin + sweep_block);
       for (std::size_t i = end; i-- > begin;) {
         double sum = r_[i];
-        for (const auto& row : {matrix.lower(i), matrix.upper(i)})
-          for (std::int32_t k = 0; k < row.count; ++k) {
-            const auto j = static_cast<std::size_t>(row.column[k]);
-            sum += row.value[k] * (j >= begin && j < end ? z_[j] : before_[j]);
-          }
+        const auto row = matrix.off_diagonal(i);
+        for (std::int32_t k = 0; k < row.count; ++k) {
+          const auto j = static_cast<std::size_t>(row.column[k]);
+          sum += row.value[k] * (j >= begin && j < end ? z_[j] : before_[j]);
+        }
         z_[i] = sum * inverse_diagonal_[i];
       }
     }
