@@ -13,8 +13,10 @@ double find_equilibrium(sph::ElasticNetwork<dim> network, sph::Particles<dim>& p
   using sph::Vector;
   const std::size_t n = network.movable;
   const double mass = particles.mass();
-  // Long enough that inertia is 1e-8 of the stiffest spring; what is left of it holds a free body in place.
-  const double time_step = 1e4 / sph::highest_frequency(network, mass);
+  // Inertia is what is left beside the tangent stiffness: next to none for a clamped body, for a free one enough to
+  // hold it in place.
+  const bool clamped = network.reference.size() > n;
+  const double time_step = (clamped ? 1e7 : 3e4) / sph::highest_frequency(network, mass);
   sph::State<dim> state{particles, sph::Images<dim>({}), {}, sph::Kernel<dim>(particles.spacing),
                         {0.0, time_step, 0.0, 0}};
   sph::ElasticSolid<dim> solid(network, particles, sph::SpringIntegration::implicit_force);
@@ -30,7 +32,7 @@ double find_equilibrium(sph::ElasticNetwork<dim> network, sph::Particles<dim>& p
     for (std::size_t i = 0; i < n; ++i)
       unbalanced = std::max(unbalanced, (force[i] + load[i]).norm() / largest_load);
     // Stiff area springs turn the rounding of positions into forces: what no step reduces any more is that.
-    const bool rounding = iteration > 2 && unbalanced < 1e3 * tolerance && unbalanced > 0.5 * before;
+    const bool rounding = iteration > 2 && unbalanced < 1e3 * tolerance && unbalanced >= before;
     if (unbalanced < tolerance || rounding) {
       particles.position = state.particles.position;
       return unbalanced;

@@ -1,5 +1,7 @@
 /// sprung-calibrate: measures lambda = E/k_e of the spring lattices by tests that run through sph/.
 
+#include "calibration/bending_test.hpp"
+#include "calibration/lattice_modulus.hpp"
 #include "calibration/published.hpp"
 #include "scene/progress.hpp"
 
@@ -8,6 +10,7 @@
 #include <omp.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace {
 
@@ -96,6 +99,80 @@ int sweep(const Arguments& a) {
   return 0;
 }
 
+/// lambda in directions of one lattice plane spanned by `from` and the perpendicular `to`, every 5 degrees.
+template <int dim>
+void turn(const Material& material, const std::string& plane, const Vector<dim>& from,
+          const Vector<dim>& to, Sheet& sheet) {
+  const BulkLattice<dim> lattice(material);
+  for (int degrees = 0; degrees < 360; degrees += 5) {
+    const double angle = degrees * std::numbers::pi / 180.0;
+    const Vector<dim> direction = std::cos(angle) * from.normalized() + std::sin(angle) * to.normalized();
+    sheet.rows.push_back(fmt::format("{},{},{},{:.6f}", key_of(material), plane, degrees,
+                                     lattice.modulus_per_stiffness(direction)));
+  }
+}
+
+/// lambda against the direction of the load, of the lattice without boundaries.
+int directions(const Arguments& a) {
+  const double began = wall_seconds();
+  Sheet sheet{"dimension,bonds,area_stiffness,plane,angle_degrees,modulus_per_stiffness", {}};
+  for (const auto bonds : {sph::Bonds::equal, sph::Bonds::isotropic}) {
+    turn<2>({2, bonds, 0.0}, "xy", {1, 0}, {0, 1}, sheet);
+    turn<3>({3, bonds, 0.0}, "001", {1, 0, 0}, {0, 1, 0}, sheet);    // [100] at 0, [110] at 45
+    turn<3>({3, bonds, 0.0}, "1-10", {1, 1, 0}, {0, 0, 1}, sheet);   // [110] at 0, [111] at 35.26
+  }
+  publish(std::filesystem::path(a.out) / "directions.csv", sheet,
+          {a.command,
+           "lambda = E/k_e for a pull along a direction at an angle to the lattice: second derivatives of the "
+           "energy that the springs of one particle in the bulk store under homogeneous strains, "
+           "strain isochoric, sides free. Angles from the first axis (xy, 001) or from [110] towards "
+           "[001] (1-10).",
+           wall_seconds() - began,
+           {}});
+  return 0;
+}
+
+/// Plates of 2 and more layers, aligned with the lattice, over the continuum.
+int bending(const Arguments& a) {
+  struct Case {
+    Material material;
+    bool corrected;
+    const char* law;  ///< derived law of EI, empty if none
+  };
+  const Case cases[] = {{{2, sph::Bonds::equal, 0.0}, false, "springs"},
+                        {{2, sph::Bonds::isotropic, 300.0}, false, "cells"},
+                        {{2, sph::Bonds::isotropic, 30.0}, true, "exact"},
+                        {{2, sph::Bonds::isotropic, 300.0}, true, "exact"}};
+  const double began = wall_seconds();
+  Sheet sheet{"bonds,area_stiffness,surface_correction,layers,stretching,bending,frequency,law_bending", {}};
+  Progress progress("bending", 4 * 9);
+  for (const Case& c : cases)
+    for (const int n : {2, 3, 4, 5, 6, 7, 8, 10, 12}) {
+      const Plate plate{n, c.material, c.corrected};
+      const PlateStiffness stiffness = measure_plate(plate);
+      const std::string law = c.law;
+      const double derived = law == "springs" ? 0.75 * (n - 1.0) / n
+                             : law == "cells" ? (n - 1.0) * (2.0 * n - 1.0) / (2.0 * n * n)
+                                              : 1.0;
+      sheet.rows.push_back(fmt::format("{},{:g},{},{},{:.5f},{:.5f},{:.5f},{:.5f}",
+                                       to_string(c.material.bonds), c.material.area_stiffness,
+                                       c.corrected ? "yes" : "no", n, stiffness.stretching,
+                                       stiffness.bending, frequency_ratio(plate), derived));
+      progress.advance(static_cast<double>(sheet.rows.size()), fmt::format("{} layers", n));
+    }
+  publish(std::filesystem::path(a.out) / "bending.csv", sheet,
+          {a.command,
+           "Plane plates aligned with the lattice, over the continuum of thickness n dx and of the table's "
+           "bulk modulus in theory. Stretching EA and bending EI: static, dead forces or couples on the end rows, "
+           "strain and curvature of the middle half, 16 n rows. Frequency: first of the plate clamped at one "
+           "end, 10 n rows, over that of the Timoshenko beam (shear coefficient 5/6). Law: 0.75 (n-1)/n for springs "
+           "alone, (n-1)(2n-1)/(2 n^2) with cells that keep their area, 1 with surface correction. One layer is a "
+           "mechanism in bending and is refused.",
+           wall_seconds() - began,
+           {}});
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -106,7 +183,9 @@ int main(int argc, char** argv) {
       "  sprung-calibrate --resume                 only rows this very program has not measured\n"
       "  sprung-calibrate --area-stiffness 50      measure and add one row\n"
       "  sprung-calibrate sweep                    the paper's cube, ten spring stiffnesses\n"
-      "  sprung-calibrate --out /tmp/try           leave the published table alone\n\n"
+      "  sprung-calibrate directions               lambda against the direction of the load\n"
+      "  sprung-calibrate bending                  plates of 2 to 12 layers (about a minute)\n"
+      "  sprung-calibrate --out results/calibration  leave the published table alone\n\n"
       "Exit codes: 0 done; 1 a test did not come to rest or a file cannot be written; 2 the command "
       "line is not understood."};
   Arguments a;
@@ -119,6 +198,8 @@ int main(int argc, char** argv) {
   app.add_option("--threads", a.threads, "threads; the bits do not depend on it")->check(CLI::Range(1, 256));
   CLI::App& cube = *app.add_subcommand("sweep", "the paper's cube under +-0.01 MPa, k_e 0.05 to 3.1 MPa");
   cube.add_option("--layers", a.layers, "particles along an edge")->check(CLI::Range(8, 60));
+  app.add_subcommand("directions", "lambda against the direction of the load");
+  app.add_subcommand("bending", "plates of few layers in stretching, bending and vibration");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -126,7 +207,10 @@ int main(int argc, char** argv) {
   }
   omp_set_num_threads(a.threads);
   try {
-    return app.got_subcommand("sweep") ? sweep(a) : measure_table(a);
+    if (app.got_subcommand("sweep")) return sweep(a);
+    if (app.got_subcommand("directions")) return directions(a);
+    if (app.got_subcommand("bending")) return bending(a);
+    return measure_table(a);
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return 1;

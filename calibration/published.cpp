@@ -109,7 +109,7 @@ bool row_is_current(const std::filesystem::path& file, const std::string& key) {
 }
 
 std::string modulus_header() {
-  return "dimension,bonds,area_stiffness,modulus_per_stiffness,interval_95,fit_residual,"
+  return "dimension,bonds,area_stiffness,modulus_per_stiffness,uncertainty,fit_residual,"
          "lambda_inner_gauge,lambda_core_gauge,theory,poisson_ratio,strain,layers_from,layers_to,"
          "gauge,area,incompressibility";
 }
@@ -128,7 +128,7 @@ std::string modulus_definition() {
          "two end layers. Stress: total load over (n dx)^(dimension-1). Strain: change of the distance between "
          "the centres of the end layers over (n-1) dx. Value: at 1/n = 0 of the quadratic in 1/n through "
          "blocks of n layers along each axis. In the plane E is the modulus of the incompressible solid in "
-         "plane strain, stress/strain = 4E/3. interval_95: half width of the fit's 95 % interval, or the "
+         "plane strain, stress/strain = 4E/3. uncertainty: half width of the fit's 95 % interval, or the "
          "distance to the value by another gauge (between the layers n/4 from the ends; gradient in the core) "
          "if that is larger. poisson_ratio: of the core of the largest block, as that of the isotropic solid "
          "(in the plane r/(1+r) of the ratio r of the strains). Without area springs: particle solver in "

@@ -1,0 +1,83 @@
+// Blocks pulled through sph/: by the particle solver and by the network alone.
+#include "calibration/bulk_modulus.hpp"
+#include "calibration/equilibrium.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace sprung;
+using namespace sprung::calibration;
+using enum sph::Bonds;
+
+double extrapolated(const Material& material, const std::vector<int>& sizes) {
+  std::vector<double> value;
+  for (const int n : sizes) {
+    Pull pull;
+    pull.layers = n;
+    pull.load = 1e-4;
+    pull.smoothing_length_ratio = 1.0;
+    value.push_back(pull_block(material, pull).lambda_ends);
+  }
+  return extrapolate(sizes, value, 2).value;
+}
+
+TEST(PulledBlock, ByThePressureEquationHasTheIncompressibleModulus) {
+  // Small blocks: the cubic term of 1/n is left out and amounts to some 0.5 %.
+  EXPECT_NEAR(extrapolated({2, equal, 0.0}, {12, 16, 20, 28}), 1.5, 0.01);
+  EXPECT_NEAR(extrapolated({2, isotropic, 0.0}, {12, 16, 20, 28}), 1.5, 0.01);
+}
+
+TEST(PulledBlock, ByThePressureEquationKeepsItsVolume) {
+  Pull pull;
+  pull.layers = 28;
+  pull.load = 1e-3;
+  const PulledBlock pulled = pull_by_particle_solver<2>({2, equal, 0.0}, pull);
+  EXPECT_NEAR(pulled.core_lateral / pulled.core_axial, -1.0, 5e-3);  // the feedback's own tolerance
+  EXPECT_LT(pulled.unbalanced, 1e-4);
+}
+
+TEST(PulledBlock, ByAreaSpringsHasTheModulusOfTheNearlyIncompressibleSolid) {
+  for (const double kappa : {30.0, 300.0})
+    EXPECT_NEAR(extrapolated({2, isotropic, kappa}, {12, 16, 20, 28}),
+                1.5 * (2.0 + kappa) / (3.0 + kappa), 1.5e-3)
+        << kappa;
+}
+
+TEST(PulledBlock, PushedAndPulledAgreeForSmallLoads) {
+  Pull pull, push;
+  pull.layers = push.layers = 12;
+  pull.load = 1e-4;
+  push.load = -1e-4;
+  const Material material{2, isotropic, 30.0};
+  // The quadratic term is of the order of the strain, 5e-5.
+  EXPECT_NEAR(pull_network<2>(material, pull).strain_ends / pull_network<2>(material, push).strain_ends,
+              -1.0, 1e-3);
+}
+
+TEST(Equilibrium, StretchesAChainByForceOverStiffness) {
+  // Two rows of n particles: per period two bonds along and one square of diagonals; here only the resultant counts.
+  const std::array<int, 2> count{6, 2};
+  auto particles = block<2>(count, 1e-3);
+  const auto network = network_of<2>(particles, shape_of<2>(count, 1e-3), {2, equal, 0.0});
+  std::vector<Vector<2>> load(particles.size(), Vector<2>::Zero());
+  for (const std::size_t i : {0, 6}) load[i][0] = -1e-3, load[i + 5][0] = 1e-3;
+  EXPECT_LT(find_equilibrium<2>(network, particles, load), 1e-5);
+  std::vector<Vector<2>> force;
+  sph::elastic_forces<2>(network, particles.position, force);
+  // Cut between columns 2 and 3: the bonds carry the two loads.
+  EXPECT_NEAR(force[0][0], 1e-3, 1e-8);
+  EXPECT_NEAR(force[6][0], 1e-3, 1e-8);
+  EXPECT_GT(particles.position[5][0] - particles.position[0][0], 5e-3);
+}
+
+TEST(Equilibrium, RefusesALoadThatTheSpringsCannotCarry) {
+  const std::array<int, 2> count{6, 2};
+  auto particles = block<2>(count, 1e-3);
+  const auto network = network_of<2>(particles, shape_of<2>(count, 1e-3), {2, equal, 0.0});
+  std::vector<Vector<2>> load(particles.size(), Vector<2>::Zero());
+  load[0][0] = 1.0;  // no counterforce: a free body has no equilibrium
+  EXPECT_THROW(find_equilibrium<2>(network, particles, load), std::runtime_error);
+}
+
+}  // namespace
