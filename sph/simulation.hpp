@@ -25,6 +25,7 @@ struct Effects {
   std::vector<std::unique_ptr<Acceleration<dim>>> diffusion;    ///< ACTION 5
   std::vector<std::unique_ptr<Motion<dim>>> motion;             ///< ACTION 8
   std::vector<Constraint<dim>*> constraints;                    ///< ACTION 7
+  std::vector<std::unique_ptr<TimeStepLimit<dim>>> pure_limits;  ///< effects that do nothing else
   std::vector<const TimeStepLimit<dim>*> limits;
   std::vector<Remembers*> remembers;
 };

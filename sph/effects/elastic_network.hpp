@@ -56,6 +56,19 @@ double network_shear_modulus(double k_e, Bonds) {
   return dim == 2 ? 0.5 * k_e : k_e;
 }
 
+/// C44 of the lattice along its axes, Pa: the sum of k_e w r_x^2 r_y^2 / (r dx)^2 over a particle's bonds, each pair
+/// counted once.
+template <int dim>
+double shear_stiffness(double k_e, Bonds bonds) {
+  double sum = 0.0;
+  for (const auto& shell : bond_shells<dim>(bonds)) {
+    double length2 = 0.0;
+    for (const int o : shell.offset) length2 += o * o;
+    sum += shell.weight * shell.offset[0] * shell.offset[0] * shell.offset[1] * shell.offset[1] / length2;
+  }
+  return k_e * sum;
+}
+
 struct SpringStiffness {
   double k_e = 0.0;            ///< spring stiffness, Pa
   double shear_modulus = 0.0;  ///< G of the network, Pa

@@ -1,5 +1,6 @@
 #include "sph/effects/registry.hpp"
 
+#include "sph/effects/printed_integrator.hpp"
 #include "sph/effects/shifting.hpp"
 #include "sph/effects/viscosity.hpp"
 
@@ -69,6 +70,28 @@ bool add_shifting(ParticleScene<dim>& scene, const ModulusTable&) {
   return true;
 }
 
+/// The printed update is unstable for springs without viscosity, so such a scene gets no step at all.
+template <int dim>
+bool add_printed_integrator(ParticleScene<dim>& scene, const ModulusTable& table) {
+  auto& simulation = *scene.simulation;
+  const Numerics& numerics = simulation.numerics();
+  if (scene.problem.solids.empty() || numerics.position_update != PositionUpdate::mean_velocity ||
+      numerics.spring_integration != SpringIntegration::explicit_force)
+    return false;
+  if (!scene.problem.viscosity)
+    throw SceneError(
+        "numerics.position_update = \"mean_velocity\" with explicit springs is unstable at any time step "
+        "unless viscosity damps it; add a table [viscosity] or use \"new_velocity\"");
+  double stiffest = 0.0;
+  for (const Solid& solid : scene.problem.solids) stiffest = std::max(stiffest, solid.youngs_modulus);
+  const double k_e = stiffest / table.modulus_per_stiffness(dim, numerics.bonds, numerics.area_stiffness);
+  auto& effects = simulation.effects();
+  effects.pure_limits.push_back(std::make_unique<PrintedIntegratorLimit<dim>>(
+      scene.problem.viscosity->dynamic, shear_stiffness<dim>(k_e, numerics.bonds)));
+  effects.limits.push_back(effects.pure_limits.back().get());
+  return true;
+}
+
 /// Adds the effect if the scene calls for it; `false` when it does not.
 template <int dim>
 struct Row {
@@ -84,6 +107,8 @@ void add_effects(ParticleScene<dim>& scene, const ModulusTable& table) {
   constexpr Row<dim> rows[] = {
       {"viscosity", add_viscosity<dim>, "a table [viscosity]"},
       {"springs", add_springs<dim>, "a table [solid.<name>]"},
+      {"limit of the printed integrator", add_printed_integrator<dim>,
+       "numerics.position_update = \"mean_velocity\" with explicit springs"},
       {"shifting", add_shifting<dim>, "numerics.shifting"},
   };
   for (const auto& row : rows)
