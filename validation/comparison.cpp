@@ -184,6 +184,9 @@ void compare_profiles(const Pair& pair, std::vector<Measurement>& out) {
 /// Two columns of a series as signals. Throws std::invalid_argument for one that is no signal.
 std::vector<Signal> signals_of(const RecordReader& record, const std::string& series,
                                const std::vector<std::string>& columns) {
+  if (!record.has_series(series)) {
+    throw std::invalid_argument("a record has no series '" + series + "': it stopped before");
+  }
   const SeriesData& data = record.series(series);
   std::vector<Signal> signals;
   for (const std::string& column : columns) {
