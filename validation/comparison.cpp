@@ -467,8 +467,9 @@ void compare_costs(const Pair& pair, std::vector<Measurement>& out) {
 /// A limit that met no measurement must not pass unseen.
 void add_unmet_limits(const PlannedRun& plan, std::vector<Measurement>& out) {
   for (const auto& [name, limit] : plan.limits) {
+    const std::string& wanted = name;
     if (std::any_of(out.begin(), out.end(),
-                    [&](const Measurement& m) { return m.limit && m.measure == name; })) {
+                    [&wanted](const Measurement& m) { return m.limit && m.measure == wanted; })) {
       continue;
     }
     Measurement unmet = missing(name, "", std::nullopt, "nothing in this scene measures it");
