@@ -1,0 +1,207 @@
+#!/usr/bin/python3
+"""Draws the calibration: what lambda is, where it holds, how thin plates bend. Reads the tables that
+`sprung-calibrate` wrote; runs no solver.
+
+    reports/calibration_figures.py
+    reports/calibration_figures.py --tables results/calibration --out results/calibration_figures
+"""
+
+import argparse
+import csv
+import sys
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import style
+
+PAPER_LAMBDA = 3.23  # Monteleone et al., section 3.4, its Fig. 4
+PULL, PUSH = style.RUNS["recommended"], style.RUNS["paper"]
+STUDENT_T = {9: 2.262, 19: 2.093}  # 0.975 quantiles by degrees of freedom (standard tables)
+
+GAUGES = {
+    "ends": ("end layers", "o"),
+    "inner": ("layers n/4 from the ends", "s"),
+    "core": ("core", "^"),
+}
+AREAS = {"(n dx)²": 0.0, "((n − ½) dx)²": 0.5, "((n − 1) dx)²": 1.0}
+
+
+def read(file: Path) -> list[dict]:
+    """Rows of a table; numbers as floats. Exits with one line where the table is missing."""
+    if not file.is_file():
+        sys.exit(f"error: {file}: no such table; `sprung calibrate` and its subcommands write it")
+    with file.open(newline="") as stream:
+        # The plane (001) is a name.
+        return [{k: v if k == "plane" else _number(v) for k, v in row.items()}
+                for row in csv.DictReader(stream)]
+
+
+def _number(text: str):
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def where(rows: list[dict], **wanted) -> list[dict]:
+    return [row for row in rows if all(row[k] == v for k, v in wanted.items())]
+
+
+def column(rows: list[dict], name: str) -> np.ndarray:
+    return np.array([row[name] for row in rows])
+
+
+def slope_through_origin(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
+    """Least squares y = a x, with relative weights (each point counts by its ratio): a and the half width of
+    its 95 % interval."""
+    ratio = y / x
+    half = STUDENT_T[len(ratio) - 1] * ratio.std(ddof=1) / np.sqrt(len(ratio))
+    return float(ratio.mean()), float(half)
+
+
+def _legend_below(figure, axes, columns: int) -> None:
+    """One legend in a strip below all panels."""
+    handles, labels = axes.get_legend_handles_labels()
+    strip = (0.12 + 0.2 * -(-len(labels) // columns)) / figure.get_figheight()
+    figure.get_layout_engine().set(rect=(0, strip, 1, 1 - strip))
+    figure.legend(handles, labels, loc="lower center", ncols=columns, borderaxespad=0.2)
+
+
+# ----------------------------------------------------------------------- the paper's Fig. 4
+
+
+def sweep(rows: list[dict]):
+    layers = int(rows[0]["layers"])
+    pulled, pushed = [where(rows, stress_pa=s) for s in (1e4, -1e4)]
+    k_e = column(pulled, "k_e_pa")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(style.WIDTH, 3.9), layout="constrained")
+    shown = [("ends", 0.0, "o", style.REFERENCE), ("ends", 1.0, "s", style.RUNS["recommended"]),
+             ("inner", 1.0, "^", style.RUNS["paper"]), ("core", 1.0, "v", style.FURTHER[1])]
+    names = {v: k for k, v in AREAS.items()}
+    for gauge, less, marker, colour in shown:
+        area = (layers / (layers - less)) ** 2
+        # Pull and push together: their mean has no term linear in the strain.
+        lam = 0.5 * area * (column(pulled, f"lambda_{gauge}") + column(pushed, f"lambda_{gauge}"))
+        slope, half = slope_through_origin(k_e, lam * k_e)
+        left.plot(1e-6 * k_e, 1e-6 * lam * k_e, marker, color=colour, ms=4.5, mfc="none",
+                  label=f"{GAUGES[gauge][0]}, {names[less]}: {slope:.3f} ± {half:.3f}")
+        left.plot(1e-6 * k_e, 1e-6 * slope * k_e, "-", color=colour, lw=0.8)
+    left.plot(1e-6 * k_e, 1e-6 * PAPER_LAMBDA * k_e, ":", color="grey", lw=1.6, label="paper: 3.23")
+    left.set(xscale="log", yscale="log", xlabel="spring stiffness $k_e$ [MPa]", ylabel="E [MPa]",
+             title=f"E against $k_e$, cube of {layers}³, ±0.01 MPa")
+    left.legend(title="strain between, area: λ", fontsize=7.5, title_fontsize=7.5)
+    for rows_of_sign, colour, word in ((pulled, PULL, "pulled"), (pushed, PUSH, "pushed")):
+        for gauge, (name, marker) in GAUGES.items():
+            right.plot(100 * np.abs(column(rows_of_sign, "strain_ends")),
+                       column(rows_of_sign, f"lambda_{gauge}"), marker + "-", color=colour, ms=4, lw=0.8,
+                       mfc="none", label=f"{word}, {name}")
+    right.set(xscale="log", xlabel="strain between the end layers [%]", ylabel="λ on the area (n dx)²",
+              title="λ against strain: springs are linear, bodies are not")
+    right.legend(fontsize=7)
+    return figure
+
+
+# ------------------------------------------------------------------ extrapolation to the bulk
+
+
+def extrapolation(pulls: list[dict], table: list[dict]):
+    figure, grid = plt.subplots(1, 3, figsize=(style.WIDTH, 3.5), layout="constrained")
+    cases = [((2, "equal", 0), "plane, equal bonds, pressure"),
+             ((2, "isotropic", 300), "plane, isotropic, area springs 300"),
+             ((3, "equal", 0), "space, equal bonds, pressure")]
+    for axes, (key, title) in zip(grid, cases):
+        chosen = dict(zip(("dimension", "bonds", "area_stiffness"), key))
+        rows, row = where(pulls, **chosen), where(table, **chosen)[0]
+        inverse = 1.0 / column(rows, "layers")
+        fine = np.linspace(0, inverse.max(), 100)
+        for (gauge, (name, marker)), colour in zip(GAUGES.items(), (style.REFERENCE, PULL, PUSH)):
+            value = column(rows, f"lambda_{gauge}")
+            axes.plot(inverse, value, marker, color=colour, ms=4.5, mfc="none", label=name)
+            axes.plot(fine, np.polyval(np.polyfit(inverse, value, 2), fine), "-", color=colour, lw=0.8)
+        axes.errorbar([0], [row["modulus_per_stiffness"]], yerr=[row["uncertainty"]], fmt="D", ms=4,
+                      color=style.FURTHER[1], capsize=3, label="table, with uncertainty", zorder=5)
+        axes.axhline(row["theory"], color="grey", ls=":", lw=1.2, label="derived")
+        axes.set(xlabel="1/n", title=title, xlim=(-0.04 * inverse.max(), None))
+    grid[0].set_ylabel("λ = E/$k_e$, stress on (n dx)$^{d-1}$")
+    _legend_below(figure, grid[0], 5)
+    return figure
+
+
+# -------------------------------------------------------------------------------- direction
+
+
+def polar(rows: list[dict]):
+    figure, grid = plt.subplots(1, 3, figsize=(style.WIDTH, 3.7), layout="constrained",
+                                subplot_kw={"projection": "polar"})
+    cases = [(2, "xy", "plane", []), (3, "001", "space, in (001)", [(0, "[100]"), (45, "[110]")]),
+             (3, "1-10", "space, in (1$\\bar{1}$0)", [(0, "[110]"), (35.264, "[111]"), (90, "[001]")])]
+    for axes, (dimension, plane, title, marks) in zip(grid, cases):
+        for bonds, colour, dash in (("equal", style.RUNS["paper"], style.DASHES["paper"]),
+                                    ("isotropic", style.RUNS["recommended"], "-")):
+            chosen = where(rows, dimension=dimension, plane=plane, bonds=bonds)
+            angle = np.radians(np.append(column(chosen, "angle_degrees"), 360))
+            value = column(chosen, "modulus_per_stiffness")
+            axes.plot(angle, np.append(value, value[0]), color=colour, ls=dash, label=f"{bonds} bonds")
+        axes.set_rmin(0)
+        axes.set_rlabel_position(112)
+        ticks = dict(marks) | {d: f"{d}°" for d in (0, 45, 90, 135, 180, 225, 270, 315)
+                               if all(abs(d - m) > 15 for m, _ in marks)}
+        axes.set_thetagrids(list(ticks), list(ticks.values()))
+        axes.tick_params(labelsize=7)
+        axes.set_title(f"λ by direction, {title}")
+    _legend_below(figure, grid[0], 2)
+    return figure
+
+
+# ---------------------------------------------------------------------------------- bending
+
+
+def bending(rows: list[dict]):
+    cases = [("equal", 0, "no", "springs alone, bonds equal, not corrected", "s", style.RUNS["paper"]),
+             ("isotropic", 300, "no", "area springs 300, not corrected", "^", style.FURTHER[0]),
+             ("isotropic", 30, "yes", "area springs 30, corrected", "v", style.FURTHER[1]),
+             ("isotropic", 300, "yes", "area springs 300, corrected", "o", style.RUNS["recommended"])]
+    figure, grid = plt.subplots(1, 3, figsize=(style.WIDTH, 3.8), layout="constrained", sharex=True)
+    n = np.linspace(1, 12, 200)
+    grid[0].plot(n, 0.75 * (n - 1) / n, ":", color="grey", lw=1.3)
+    grid[0].plot(n, (n - 1) * (2 * n - 1) / (2 * n * n), "--", color="grey", lw=1)
+    for text, place in (("¾ (n−1)/n", (8.8, 0.6)), ("(n−1)(2n−1)/(2n²)", (7.6, 0.78))):
+        grid[0].annotate(text, place, fontsize=8, color="#555555", va="top",
+                         bbox={"fc": "white", "ec": "none", "pad": 0.5})
+    for bonds, kappa, corrected, name, marker, colour in cases:
+        chosen = where(rows, bonds=bonds, area_stiffness=kappa, surface_correction=corrected)
+        for axes, quantity in zip(grid, ("bending", "stretching", "frequency")):
+            axes.plot(column(chosen, "layers"), column(chosen, quantity), marker, color=colour, ms=5,
+                      mfc="none", label=name)
+    for axes, title in zip(grid, ("bending stiffness EI", "stretching stiffness EA", "first frequency")):
+        axes.axhspan(0.97, 1.03, color="#dddddd", lw=0, zorder=0)
+        axes.set(title=f"{title} / continuum", xlabel="layers n", xlim=(0.7, 12.5), ylim=(0, 1.5))
+    _legend_below(figure, grid[0], 2)
+    return figure
+
+
+def main() -> None:
+    root = Path(__file__).resolve().parent.parent
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--tables", type=Path, default=root / "calibration", help="folder of the tables")
+    parser.add_argument("--out", type=Path, default=root / "results" / "calibration", help="folder of the figures")
+    parser.add_argument("--layers", type=int, default=20, help="which sweep: particles along the cube's edge")
+    arguments = parser.parse_args()
+    tables, out = arguments.tables, arguments.out
+    figures = {
+        "modulus_sweep": sweep(read(tables / f"sweep_{arguments.layers}.csv")),
+        "modulus_extrapolation": extrapolation(read(tables / "pulls.csv"),
+                                               read(tables / "modulus_per_stiffness.csv")),
+        "modulus_direction": polar(read(tables / "directions.csv")),
+        "bending_by_layers": bending(read(tables / "bending.csv")),
+    }
+    out.mkdir(parents=True, exist_ok=True)
+    for name, figure in figures.items():
+        figure.savefig(out / f"{name}.png")
+        print(out / f"{name}.png")
+
+
+if __name__ == "__main__":
+    main()
