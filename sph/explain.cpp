@@ -22,11 +22,13 @@ std::string numbers_of(const Problem& problem, double velocity_scale, double spa
   const double speed = problem.inflow ? problem.inflow->mean_velocity : velocity_scale;
   if (problem.viscosity) {
     const double nu = problem.viscosity->dynamic / problem.density;
-    text += fmt::format("  Reynolds number       {:10.4g}   mean inflow speed x channel height / nu\n",
-                        speed * height / nu);
-    text += fmt::format("  cell Reynolds number  {:10.4g}   velocity scale x spacing / nu; above 10 the "
-                        "boundary layers are thinner than the particles show\n",
-                        velocity_scale * spacing / nu);
+    text +=
+        fmt::format("  Reynolds number       {:10.4g}   mean inflow speed x channel height / nu\n",
+                    speed * height / nu);
+    text += fmt::format(
+        "  cell Reynolds number  {:10.4g}   velocity scale x spacing / nu; above 10 the "
+        "boundary layers are thinner than the particles show\n",
+        velocity_scale * spacing / nu);
   }
   for (const Solid& solid : problem.solids) {
     double thickness = solid.body.to[0] - solid.body.from[0], length = thickness;
@@ -35,11 +37,12 @@ std::string numbers_of(const Problem& problem, double velocity_scale, double spa
       length = std::max(length, solid.body.to[d] - solid.body.from[d]);
     }
     const double cauchy = problem.density * speed * speed / solid.youngs_modulus;
-    text += fmt::format("  Cauchy number         {:10.4g}   rho U^2 / E of [solid.{}]; times (length / "
-                        "thickness)^3 = {:.3g}: {}\n",
-                        cauchy, solid.name, cauchy * std::pow(length / thickness, 3),
-                        cauchy * std::pow(length / thickness, 3) > 1e-3 ? "the flow bends it"
-                                                                         : "all but rigid in this flow");
+    text += fmt::format(
+        "  Cauchy number         {:10.4g}   rho U^2 / E of [solid.{}]; times (length / "
+        "thickness)^3 = {:.3g}: {}\n",
+        cauchy, solid.name, cauchy * std::pow(length / thickness, 3),
+        cauchy * std::pow(length / thickness, 3) > 1e-3 ? "the flow bends it"
+                                                        : "all but rigid in this flow");
     text += fmt::format("  particles across      {:10.1f}   of [solid.{}]\n", thickness / spacing,
                         solid.name);
   }
@@ -87,10 +90,11 @@ std::string explain(Document& document, const ModulusTable& table) {
   const double count = std::ceil(scene.problem.end_time / step.value);
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  text += fmt::format("\nCost on this machine, one thread, from {} steps of this scene\n"
-                      "  {:.0f} steps of {:.3g} ms: {:.3g} s of processor time (a moving flow takes about "
-                      "a quarter more)\n  {:.0f} MB of memory\n",
-                      steps, count, 1e3 * per_step, count * per_step, double(usage.ru_maxrss) / 1024.0);
+  text += fmt::format(
+      "\nCost on this machine, one thread, from {} steps of this scene\n"
+      "  {:.0f} steps of {:.3g} ms: {:.3g} s of processor time (a moving flow takes about "
+      "a quarter more)\n  {:.0f} MB of memory\n",
+      steps, count, 1e3 * per_step, count * per_step, double(usage.ru_maxrss) / 1024.0);
   for (const auto& warning : scene.warnings) text += fmt::format("\nwarning: {}\n", warning);
   return text;
 }

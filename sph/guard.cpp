@@ -27,7 +27,8 @@ std::optional<std::string> find_fault(const ParticleScene<dim>& scene) {
     const double speed = particles.velocity[i].norm();
     if (std::isfinite(speed) && speed <= fastest) continue;
     return fmt::format(
-        "particle {} ({}) at {} moves at {:.4g} m/s, more than 10 times the velocity scale of {:.4g} m/s, "
+        "particle {} ({}) at {} moves at {:.4g} m/s, more than 10 times the velocity scale of "
+        "{:.4g} m/s, "
         "at t = {:.6g} s; use a smaller time step (now {:.3g} s){}",
         particles.identity[i], particles.role[i] == Role::solid ? "solid" : "fluid",
         place<dim>(particles.position[i]), speed, simulation.velocity_scale(), clock.time,
@@ -38,15 +39,17 @@ std::optional<std::string> find_fault(const ParticleScene<dim>& scene) {
     const std::span<const Vector<dim>> position{particles.position.data(), particles.solids};
     const auto [least, most] = stretch_range(scene.solid->network(), position);
     if (!(least > 0.5 && most < 2.0))
-      return fmt::format("a spring has {:.3g} times its rest length at t = {:.6g} s (sound range: 0.5 to "
-                         "2); use a smaller time step or a stiffer body",
-                         least < 0.5 ? least : most, clock.time);
+      return fmt::format(
+          "a spring has {:.3g} times its rest length at t = {:.6g} s (sound range: 0.5 to "
+          "2); use a smaller time step or a stiffer body",
+          least < 0.5 ? least : most, clock.time);
   }
   const auto lost = simulation.books().lost + simulation.books().upstream;
   if (lost > static_cast<std::int64_t>(particles.unknowns / 100))
-    return fmt::format("{} particles have been lost by t = {:.6g} s ({} through walls, {} against the "
-                       "inflow); use a smaller time step or stronger shifting",
-                       lost, clock.time, simulation.books().lost, simulation.books().upstream);
+    return fmt::format(
+        "{} particles have been lost by t = {:.6g} s ({} through walls, {} against the "
+        "inflow); use a smaller time step or stronger shifting",
+        lost, clock.time, simulation.books().lost, simulation.books().upstream);
   return std::nullopt;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Watches a run: when a value leaves its sound range the run stops and says what, where, when and what to
-/// change. Costs one pass over the particles.
+/// Watches a run: when a value leaves its sound range the run stops and says what, where, when and
+/// what to change. Costs one pass over the particles.
 
 #include "sph/scene_setup.hpp"
 
@@ -9,8 +9,9 @@
 
 namespace sprung::sph {
 
-/// A message when the state is not sound: a value that is not a number, a speed beyond ten times the velocity
-/// scale, a spring stretched or shortened past a factor two, a crowd of lost particles.
+/// A message when the state is not sound: a value that is not a number, a speed beyond ten times
+/// the velocity scale, a spring stretched or shortened past a factor two, a crowd of lost
+/// particles.
 template <int dim>
 std::optional<std::string> find_fault(const ParticleScene<dim>& scene);
 

@@ -1,14 +1,12 @@
 #pragma once
 /// The Wendland C2 kernel (section 2 of the paper, k = 2: support radius 2h) and its gradient.
 
-#include <Eigen/Core>
+#include "sph/vector.hpp"
 
+#include <cmath>
 #include <numbers>
 
 namespace sprung::sph {
-
-template <int dim>
-using Vector = Eigen::Matrix<double, dim, 1>;
 
 /// W(r) = alpha (1 - q/2)^4 (1 + 2q), q = r/h, of unit integral in `dim` dimensions.
 /// Wendland 1995; alpha = 7/(4 pi h^2) in the plane, 21/(16 pi h^3) in space.
@@ -54,8 +52,8 @@ Kernel<dim>::Kernel(double smoothing_length)
 
 /// Sums of the kernel over the undisturbed lattice of the given spacing.
 struct LatticeSums {
-  double partition;      ///< sum of V W, self included: 1 in the limit of many neighbours
-  double gradient;       ///< discrete over exact gradient of a linear field: -sum V F x^2
+  double partition;        ///< sum of V W, self included: 1 in the limit of many neighbours
+  double gradient;         ///< discrete over exact gradient of a linear field: -sum V F x^2
   double gradient_weight;  ///< sum of -V F over the neighbours, 1/m^2
 };
 

@@ -3,9 +3,9 @@
 #include "sph/explain.hpp"
 #include "sph/run.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <omp.h>
+#include <CLI/CLI.hpp>
 
 namespace {
 
@@ -38,38 +38,46 @@ int dispatch(const CLI::App& app, const Arguments& a) {
     return 0;
   }
   if (app.got_subcommand("explain")) {
-    const std::string text = plane ? sph::explain<2>(document, table) : sph::explain<3>(document, table);
+    const std::string text =
+        plane ? sph::explain<2>(document, table) : sph::explain<3>(document, table);
     fmt::print("{}", text);
     return 0;
   }
   omp_set_num_threads(a.threads);
   const sph::RunOptions options{a.out, a.resume, a.overwrite, a.until};
-  const auto outcome = plane ? sph::run<2>(document, table, options) : sph::run<3>(document, table, options);
+  const auto outcome =
+      plane ? sph::run<2>(document, table, options) : sph::run<3>(document, table, options);
   return outcome == sph::Outcome::stopped ? 3 : 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Particle method: incompressible SPH with springs (Monteleone et al.)\n\n"
-               "Examples:\n"
-               "  sprung-sph check beam.toml\n"
-               "  sprung-sph explain beam.toml sph.spacing=\"2.5 mm\"\n"
-               "  sprung-sph run beam.toml numerics.preset=paper --out results/paper\n"
-               "  sprung-sph run beam.toml --out results/beam --resume\n\n"
-               "Exit codes: 0 finished; 1 the scene or a file is not usable; 2 the command line is not "
-               "understood;\n3 the run left its sound range and stopped itself, its record whole up to there."};
+  CLI::App app{
+      "Particle method: incompressible SPH with springs (Monteleone et al.)\n\n"
+      "Examples:\n"
+      "  sprung-sph check beam.toml\n"
+      "  sprung-sph explain beam.toml sph.spacing=\"2.5 mm\"\n"
+      "  sprung-sph run beam.toml numerics.preset=paper --out results/paper\n"
+      "  sprung-sph run beam.toml --out results/beam --resume\n\n"
+      "Exit codes: 0 finished; 1 the scene or a file is not usable; 2 the command line is not "
+      "understood;\n3 the run left its sound range and stopped itself, its record whole up to "
+      "there."};
   app.require_subcommand(1);
   Arguments a;
-  add_scene_arguments(*app.add_subcommand("check", "read the scene and say whether it can be run"), a);
-  add_scene_arguments(*app.add_subcommand("explain", "say what the scene calls for, and its time step"), a);
+  add_scene_arguments(*app.add_subcommand("check", "read the scene and say whether it can be run"),
+                      a);
+  add_scene_arguments(
+      *app.add_subcommand("explain", "say what the scene calls for, and its time step"), a);
   CLI::App& run = *app.add_subcommand("run", "run the scene and write its record");
   add_scene_arguments(run, a);
   run.add_option("--out", a.out, "folder of the record")->required();
-  run.add_option("--threads", a.threads, "threads; the bits do not depend on it")->check(CLI::Range(1, 256));
+  run.add_option("--threads", a.threads, "threads; the bits do not depend on it")
+      ->check(CLI::Range(1, 256));
   run.add_flag("--resume", a.resume, "continue from the last checkpoint, if there is one");
   run.add_flag("--overwrite", a.overwrite, "replace a record that stands in --out");
-  run.add_option("--until", a.until, "pause after the step that reaches this time (s) and leave a checkpoint");
+  run.add_option("--until", a.until,
+                 "pause after the step that reaches this time (s) and leave a checkpoint");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -31,7 +31,8 @@ struct CellGrid {
       cells *= n;
       if (!(cells < 1e9))
         throw std::runtime_error(
-            "a particle has flown far out of the domain (or its position is not a number): the search "
+            "a particle has flown far out of the domain (or its position is not a number): the "
+            "search "
             "grid would need more than a thousand million cells");
       extent[d] = static_cast<int>(n);
     }
@@ -53,8 +54,8 @@ struct CellGrid {
   }
 };
 
-/// More neighbours than this means that particles have clumped beyond use (the lattice has 20 in the
-/// plane and 80 in space at h = 1.3 dx; 48 and 256 at h = 2 dx).
+/// More neighbours than this means that particles have clumped beyond use (the lattice has 20 in
+/// the plane and 80 in space at h = 1.3 dx; 48 and 256 at h = 2 dx).
 template <int dim>
 constexpr std::size_t most_neighbours = dim == 2 ? 96 : 448;
 
@@ -82,7 +83,8 @@ void Support<dim>::reserve(std::size_t owners) {
 
 template <int dim>
 std::vector<std::int32_t> Support<dim>::cell_order(std::span<const Vector<dim>> points,
-                                                   std::size_t first, std::size_t last, double cell) {
+                                                   std::size_t first, std::size_t last,
+                                                   double cell) {
   const CellGrid<dim> grid(points, cell);
   std::vector<std::int32_t> begin(grid.cells() + 1, 0);
   std::vector<std::int32_t> order(last - first);
@@ -100,7 +102,8 @@ void Support<dim>::build(const Kernel<dim>& kernel, std::span<const Vector<dim>>
                          std::size_t owners, double volume) {
   reserve(owners);
   const double radius = kernel.support_radius();
-  // Cells of half the radius: five rows of five hold fewer points that are too far than three rows of three.
+  // Cells of half the radius: five rows of five hold fewer points that are too far than three rows
+  // of three.
   constexpr int reach = 2;
   const CellGrid<dim> grid(points, radius / reach);
   const std::size_t n = points.size();
@@ -158,7 +161,8 @@ void Support<dim>::build(const Kernel<dim>& kernel, std::span<const Vector<dim>>
           scan_row({c[0], c[1] + dy});
         } else {
           for (int dz = -reach; dz <= reach; ++dz)
-            if (c[2] + dz >= 0 && c[2] + dz < grid.extent[2]) scan_row({c[0], c[1] + dy, c[2] + dz});
+            if (c[2] + dz >= 0 && c[2] + dz < grid.extent[2])
+              scan_row({c[0], c[1] + dy, c[2] + dz});
         }
       }
       double* const factor = factor_.get() + write;
@@ -175,8 +179,9 @@ void Support<dim>::build(const Kernel<dim>& kernel, std::span<const Vector<dim>>
     }
   }
   if (overfull)
-    throw std::runtime_error("a particle has more than " + std::to_string(most_neighbours<dim>) +
-                             " neighbours: particles have clumped; use shifting or a smaller time step");
+    throw std::runtime_error(
+        "a particle has more than " + std::to_string(most_neighbours<dim>) +
+        " neighbours: particles have clumped; use shifting or a smaller time step");
 }
 
 template class Support<2>;

@@ -10,8 +10,8 @@
 
 namespace sprung::sph {
 
-/// For every particle that has an equation: its neighbours and the kernel's gradient factor of each.
-/// Indices run over the particles and then the images.
+/// For every particle that has an equation: its neighbours and the kernel's gradient factor of
+/// each. Indices run over the particles and then the images.
 template <int dim>
 class Support {
  public:
@@ -30,14 +30,14 @@ class Support {
   std::size_t size() const { return count_.size(); }
   std::size_t pairs() const;
 
-  /// Rebuilds the lists of the first `owners` of `points`. Throws std::runtime_error when a particle has
-  /// more neighbours than a sound distribution can give.
+  /// Rebuilds the lists of the first `owners` of `points`. Throws std::runtime_error when a
+  /// particle has more neighbours than a sound distribution can give.
   void build(const Kernel<dim>& kernel, std::span<const Vector<dim>> points, std::size_t owners,
              double volume);
 
   /// Order of `points[first..last)` by search cell: neighbours in space are neighbours in memory.
-  static std::vector<std::int32_t> cell_order(std::span<const Vector<dim>> points, std::size_t first,
-                                              std::size_t last, double cell);
+  static std::vector<std::int32_t> cell_order(std::span<const Vector<dim>> points,
+                                              std::size_t first, std::size_t last, double cell);
 
  private:
   void reserve(std::size_t owners);

@@ -55,7 +55,7 @@ void choose(const Table& table, const std::string& key, const std::vector<std::s
 }
 
 void read_between(const Table& table, const std::string& key, double low, double high,
-                   double& value) {
+                  double& value) {
   value = table.number_or(key, value);
   if (value < low || value > high)
     table.refuse(key, fmt::format("must lie between {} and {}", low, high));

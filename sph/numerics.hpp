@@ -31,21 +31,22 @@ struct Numerics {
   bool normalised_gradient = false;     ///< divide the gradient by its lattice factor
   PositionUpdate position_update{};
   Shifting shifting{};
-  double shifting_coefficient = 0.0;    ///< C of Xu, Stansby & Laurence 2009
-  /// A wrong particle density is corrected at the rate density_feedback x velocity scale / spacing (1/s): the
-  /// source of Eq. 3 gets rate (S0/S - 1), S the kernel sum and S0 its aim. 0: none.
+  double shifting_coefficient = 0.0;  ///< C of Xu, Stansby & Laurence 2009
+  /// A wrong particle density is corrected at the rate density_feedback x velocity scale / spacing
+  /// (1/s): the source of Eq. 3 gets rate (S0/S - 1), S the kernel sum and S0 its aim. 0: none.
   double density_feedback = 0.0;
   double pressure_tolerance = 0.0;
   PressureSolverKind pressure_solver{};
   Bonds bonds{};
   SolidNoSlip solid_no_slip{};
-  bool surface_correction = false;      ///< bond weights as quadrature over the true body
-  double area_stiffness = 0.0;          ///< kappa: area springs of modulus kappa G; 0: none
+  bool surface_correction = false;  ///< bond weights as quadrature over the true body
+  double area_stiffness = 0.0;      ///< kappa: area springs of modulus kappa G; 0: none
   SpringIntegration spring_integration{};
-  double courant = 0.0;                 ///< dt u_max / spacing
+  double courant = 0.0;  ///< dt u_max / spacing
 };
 
-/// Reads [numerics]; keys that are absent take the preset's value, which is written into the record.
+/// Reads [numerics]; keys that are absent take the preset's value, which is written into the
+/// record.
 Numerics read_numerics(Document& document);
 
 }  // namespace sprung::sph

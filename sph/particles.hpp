@@ -4,21 +4,21 @@
 #include "sph/kernel.hpp"
 
 #include <cstdint>
-#include <string>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace sprung::sph {
 
 enum class Role : std::uint8_t {
-  solid,    ///< tied by springs
+  solid,  ///< tied by springs
   fluid,
   inflow,   ///< of the prescribed columns outside an inflow side
   outflow,  ///< of the columns outside an outflow side, where the pressure is prescribed
 };
 
-/// An array of an effect that must follow the particles when they are reordered, created or removed,
-/// and that a checkpoint must hold.
+/// An array of an effect that must follow the particles when they are reordered, created or
+/// removed, and that a checkpoint must hold.
 template <int dim>
 struct CarriedArray {
   std::string name;
@@ -38,7 +38,7 @@ struct Particles {
   std::vector<Vector<dim>> predicted_velocity;  ///< u* of Eq. 2
   std::vector<double> pseudo_pressure;          ///< psi = -p/rho, m2/s2
   std::vector<Role> role;
-  std::vector<std::int64_t> identity;           ///< number given at creation, never reused
+  std::vector<std::int64_t> identity;  ///< number given at creation, never reused
 
   std::vector<CarriedArray<dim>> carried;
   std::int64_t next_identity = 0;

@@ -22,8 +22,9 @@ Eigen::VectorXd monomials(const Vector<dim>& x, int order) {
 
 /// Value at the origin of the weighted polynomial fit to `values` at `offsets`.
 template <int dim>
-Vector<dim> fitted_value(const std::vector<Vector<dim>>& offsets, const std::vector<double>& weights,
-                         const std::vector<Vector<dim>>& values, int highest_order) {
+Vector<dim> fitted_value(const std::vector<Vector<dim>>& offsets,
+                         const std::vector<double>& weights, const std::vector<Vector<dim>>& values,
+                         int highest_order) {
   const auto n = static_cast<Eigen::Index>(offsets.size());
   for (int order = highest_order; order >= 0; --order) {
     const auto terms = monomials<dim>(Vector<dim>::Zero(), order).size();
@@ -85,7 +86,8 @@ std::vector<Vector<dim>> displacement_of(const ElasticSolid<dim>& solid,
   std::vector<Vector<dim>> result;
   for (const auto& point : points) {
     std::vector<Vector<dim>> offsets, values;
-    // A corner has few particles near it: look farther until there are twice as many as the fit has terms.
+    // A corner has few particles near it: look farther until there are twice as many as the fit has
+    // terms.
     for (double reach = 2.1; offsets.size() < std::min<std::size_t>(2 * (dim + 1), last - first);
          reach += 0.5) {
       offsets.clear();

@@ -7,15 +7,17 @@
 
 namespace sprung::sph {
 
-/// Moving least squares with complete quadratics: exact for a velocity that is quadratic in space, where a
-/// plain kernel average of a parabola would be off by its curvature. Weights: the kernel at 1.25 times the
-/// support; images count as particles, so walls act. Falls back to lower order where neighbours are few.
+/// Moving least squares with complete quadratics: exact for a velocity that is quadratic in space,
+/// where a plain kernel average of a parabola would be off by its curvature. Weights: the kernel
+/// at 1.25 times the support; images count as particles, so walls act. Falls back to lower order
+/// where neighbours are few.
 template <int dim>
-std::vector<Vector<dim>> velocity_at(const State<dim>& state, const std::vector<Vector<dim>>& places);
+std::vector<Vector<dim>> velocity_at(const State<dim>& state,
+                                     const std::vector<Vector<dim>>& places);
 
-/// Displacement of material points of the solid: the linear least-squares fit of the displacements of the
-/// solid particles that lay within 2.1 dx of the point at rest (farther at a corner, until there are twice as
-/// many as the fit has terms). `first`, `last`: the body's particles.
+/// Displacement of material points of the solid: the linear least-squares fit of the displacements
+/// of the solid particles that lay within 2.1 dx of the point at rest (farther at a corner, until
+/// there are twice as many as the fit has terms). `first`, `last`: the body's particles.
 template <int dim>
 std::vector<Vector<dim>> displacement_of(const ElasticSolid<dim>& solid,
                                          const Particles<dim>& particles, std::size_t first,

@@ -31,7 +31,8 @@ ModulusTable::ModulusTable(std::filesystem::path file) : file_(std::move(file)) 
   }
 }
 
-double ModulusTable::modulus_per_stiffness(int dimension, Bonds bonds, double area_stiffness) const {
+double ModulusTable::modulus_per_stiffness(int dimension, Bonds bonds,
+                                           double area_stiffness) const {
   const std::string name = bonds == Bonds::equal ? "equal" : "isotropic";
   for (const Row& row : rows_)
     if (row.dimension == dimension && row.bonds == name &&
@@ -48,13 +49,6 @@ double ModulusTable::modulus_per_stiffness(int dimension, Bonds bonds, double ar
 }
 
 namespace {
-
-template <int dim>
-Vector<dim> corner(const Point& point) {
-  Vector<dim> x;
-  for (int d = 0; d < dim; ++d) x[d] = point[d];
-  return x;
-}
 
 template <int dim>
 bool inside(const Box& box, const Vector<dim>& x) {
@@ -77,26 +71,23 @@ Particles<dim> fill_lattice(const Problem& problem, double spacing, const Table&
     const double extent = problem.channel.to[d] - problem.channel.from[d];
     count[d] = std::lround(extent / spacing);
     if (count[d] < 4 || std::abs(count[d] * spacing - extent) > 1e-6 * extent)
-      table.refuse("spacing",
-                   fmt::format("must divide the channel's side of {} m into at least 4 whole parts; "
-                               "nearest that does: {} mm",
-                               extent, 1e3 * extent / std::max(4L, count[d])));
+      table.refuse(
+          "spacing",
+          fmt::format("must divide the channel's side of {} m into at least 4 whole parts; "
+                      "nearest that does: {} mm",
+                      extent, 1e3 * extent / std::max(4L, count[d])));
     total *= static_cast<double>(count[d]);
   }
   if (total > 5e7) table.refuse("spacing", fmt::format("would make {:.3g} particles", total));
   std::vector<std::vector<Vector<dim>>> solid(problem.solids.size());
   std::vector<Vector<dim>> fluid;
-  std::array<long, dim> at{};
-  for (bool more = true; more;) {
+  for_each_index<dim>(count, [&](const std::array<long, dim>& at) {
     Vector<dim> x;
     for (int d = 0; d < dim; ++d) x[d] = problem.channel.from[d] + (at[d] + 0.5) * spacing;
     std::size_t body = 0;
     while (body < solid.size() && !inside<dim>(problem.solids[body].body, x)) ++body;
     (body < solid.size() ? solid[body] : fluid).push_back(x);
-    int d = 0;
-    while (d < dim && ++at[d] == count[d]) at[d++] = 0;
-    more = d < dim;
-  }
+  });
   for (std::size_t b = 0; b < solid.size(); ++b) {
     const std::size_t first = particles.size();
     for (const auto& x : solid[b]) particles.add(x, Vector<dim>::Zero(), 0.0, Role::solid);
@@ -108,8 +99,8 @@ Particles<dim> fill_lattice(const Problem& problem, double spacing, const Table&
   return particles;
 }
 
-/// Moves each fluid particle by up to `disorder` spacings along each axis. Numbers are drawn from the generator's
-/// own bits, so a seed means the same places everywhere.
+/// Moves each fluid particle by up to `disorder` spacings along each axis. Numbers are drawn from
+/// the generator's own bits, so a seed means the same places everywhere.
 template <int dim>
 void disturb(Particles<dim>& particles, double disorder, std::uint64_t seed) {
   std::mt19937_64 generator(seed);
@@ -140,10 +131,11 @@ void check_thickness(const Document& document, const Problem& problem, double sp
       const Solid& solid = problem.solids[b];
       const double extent = solid.body.to[d] - solid.body.from[d];
       if (layers < 2)
-        table.refuse("body",
-                     fmt::format("is one particle thick ({} mm at a spacing of {} mm), and one row of "
-                                 "springs does not resist bending; a spacing of {:.4g} mm gives four",
-                                 1e3 * extent, 1e3 * spacing, 1e3 * extent / 4));
+        table.refuse(
+            "body",
+            fmt::format("is one particle thick ({} mm at a spacing of {} mm), and one row of "
+                        "springs does not resist bending; a spacing of {:.4g} mm gives four",
+                        1e3 * extent, 1e3 * spacing, 1e3 * extent / 4));
       if (layers < 4)
         warnings.push_back(fmt::format("[solid.{}] is {} particles thick; bending wants 4 or more",
                                        solid.name, layers));
@@ -182,7 +174,8 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
   const double scale = sph.quantity_or("velocity_scale", dimension::velocity,
                                        fmt::format("{} m/s", 2.0 * default_speed));
   if (!(scale > 0.0))
-    sph.refuse("velocity_scale", "must be given for a scene without inflow: the fastest speed expected");
+    sph.refuse("velocity_scale",
+               "must be given for a scene without inflow: the fastest speed expected");
 
   auto particles = fill_lattice<dim>(problem, spacing, sph, scene.bodies);
   check_thickness<dim>(document, problem, spacing, particles, scene.bodies, scene.warnings);

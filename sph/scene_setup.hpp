@@ -1,5 +1,6 @@
 #pragma once
-/// From a scene file to a simulation: lattice, solid particles (ACTIONs 1 and 2), boundaries, effects.
+/// From a scene file to a simulation: lattice, solid particles (ACTIONs 1 and 2), boundaries,
+/// effects.
 
 #include "scene/problem.hpp"
 #include "sph/effects/elastic_solid.hpp"
@@ -45,8 +46,8 @@ struct ParticleScene {
   std::vector<std::string> effects_off;  ///< what it does not
 };
 
-/// Reads [sph] and [numerics] and everything else that the particle solver needs, and refuses what is
-/// left unread. Throws SceneError.
+/// Reads [sph] and [numerics] and everything else that the particle solver needs, and refuses what
+/// is left unread. Throws SceneError.
 template <int dim>
 ParticleScene<dim> set_up(Document& document, const ModulusTable& table);
 

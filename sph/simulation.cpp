@@ -32,14 +32,22 @@ constexpr std::int64_t steps_between_sorts = 10;
 
 const char* to_string(Action action) {
   switch (action) {
-    case Action::body_forces: return "ACTION 4 body forces";
-    case Action::predictor: return "ACTION 5 predictor";
-    case Action::pressure_assembly: return "ACTION 6 pressure, assembly";
-    case Action::pressure_solve: return "ACTION 6 pressure, solution";
-    case Action::corrector: return "ACTION 7 corrector";
-    case Action::motion: return "ACTION 8 motion";
-    case Action::support: return "ACTION 9 support and mirrors";
-    case Action::output: return "probes and records";
+    case Action::body_forces:
+      return "ACTION 4 body forces";
+    case Action::predictor:
+      return "ACTION 5 predictor";
+    case Action::pressure_assembly:
+      return "ACTION 6 pressure, assembly";
+    case Action::pressure_solve:
+      return "ACTION 6 pressure, solution";
+    case Action::corrector:
+      return "ACTION 7 corrector";
+    case Action::motion:
+      return "ACTION 8 motion";
+    case Action::support:
+      return "ACTION 9 support and mirrors";
+    case Action::output:
+      return "probes and records";
   }
   return "";
 }
@@ -48,8 +56,11 @@ template <int dim>
 Simulation<dim>::Simulation(Numerics numerics, Particles<dim> particles,
                             std::vector<Wall<dim>> walls)
     : numerics_(std::move(numerics)),
-      state_{std::move(particles), Images<dim>(std::move(walls)), {},
-             Kernel<dim>(numerics_.smoothing_length_ratio * state_.particles.spacing), {}},
+      state_{std::move(particles),
+             Images<dim>(std::move(walls)),
+             {},
+             Kernel<dim>(numerics_.smoothing_length_ratio * state_.particles.spacing),
+             {}},
       solver_(make_solver(numerics_.pressure_solver)) {
   const LatticeSums sums = lattice_sums(state_.kernel, state_.particles.spacing);
   full_weight_ = 2.0 * sums.gradient_weight;
@@ -148,8 +159,8 @@ void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
   }
 }
 
-/// Number of particles inside the domain; one that straddles an open side counts by the part of its cell that
-/// lies inside, so that a lattice passing through changes nothing.
+/// Number of particles inside the domain; one that straddles an open side counts by the part of its
+/// cell that lies inside, so that a lattice passing through changes nothing.
 template <int dim>
 double Simulation<dim>::particles_inside() const {
   const auto& particles = state_.particles;
@@ -164,8 +175,8 @@ double Simulation<dim>::particles_inside() const {
   return count;
 }
 
-/// Eq. 3's source gets rate (S0/S - 1): the projection has no memory of volume, and what it leaves of the
-/// divergence would add up.
+/// Eq. 3's source gets rate (S0/S - 1): the projection has no memory of volume, and what it leaves
+/// of the divergence would add up.
 template <int dim>
 void Simulation<dim>::add_density_feedback() {
   const auto& particles = state_.particles;
@@ -174,14 +185,15 @@ void Simulation<dim>::add_density_feedback() {
   const std::size_t n = particles.unknowns;
   if (rate == 0.0) return;
   if (vacuum_) {
-    for (std::size_t i = 0; i < n; ++i) source_[i] += rate * (rest_partition_[i] / partition[i] - 1.0);
+    for (std::size_t i = 0; i < n; ++i)
+      source_[i] += rate * (rest_partition_[i] / partition[i] - 1.0);
     return;
   }
   // Inside a body whose cells keep their own area the feedback would constrain twice.
   const std::size_t first = numerics_.area_stiffness > 0.0 ? particles.solids : 0;
-  // The aim is the mean filling, set right by the number of particles that the domain should hold. The
-  // lattice's own sum would not do: a disordered fluid of the same density has a larger one (by 0.2 % at
-  // h = 1.3 dx), and feedback towards the lattice's would blow it up by as much.
+  // The aim is the mean filling, set right by the number of particles that the domain should hold.
+  // The lattice's own sum would not do: a disordered fluid of the same density has a larger one (by
+  // 0.2 % at h = 1.3 dx), and feedback towards the lattice's would blow it up by as much.
   double aim = 0.0;
   for (std::size_t i = first; i < n; ++i) aim += 1.0 / partition[i];
   aim = static_cast<double>(n - first) / aim * whole_count_ / particles_inside();
@@ -222,8 +234,8 @@ void Simulation<dim>::solve_pressure() {
     solver_->prepare(matrix_, cell_of_, extent);
   }
   const Stopwatch watch(seconds_[std::size_t(Action::pressure_solve)]);
-  pressure_report_ =
-      solver_->solve(matrix_, source_, {particles.pseudo_pressure.data(), n}, numerics_.pressure_tolerance);
+  pressure_report_ = solver_->solve(matrix_, source_, {particles.pseudo_pressure.data(), n},
+                                    numerics_.pressure_tolerance);
   if (!pressure_report_.converged || !std::isfinite(pressure_report_.relative_residual))
     throw std::runtime_error("the pressure equation did not converge: relative residual " +
                              std::to_string(pressure_report_.relative_residual) + " after " +
@@ -247,7 +259,8 @@ void Simulation<dim>::correct_velocity() {
       const std::int32_t j = neighbours.index[k];
       const std::int32_t s = state_.images.source(j);
       if (particles.role[s] == Role::inflow) continue;  // dpsi/dn = 0 there, as in the matrix
-      // On a whole lattice the terms with psi_i add up to zero, those of missing neighbours (psi = 0) included.
+      // On a whole lattice the terms with psi_i add up to zero, those of missing neighbours (psi =
+      // 0) included.
       const double difference =
           vacuum_ ? -particles.pseudo_pressure[s] : psi_i - particles.pseudo_pressure[s];
       sum += neighbours.gradient_factor[k] * difference * (points[i] - points[j]);
@@ -281,8 +294,9 @@ void Simulation<dim>::move_particles() {
   const bool mean = numerics_.position_update == PositionUpdate::mean_velocity;
   displacement_.resize(particles.size());
   for (std::size_t i = 0; i < particles.size(); ++i)
-    displacement_[i] = mean ? Vector<dim>(0.5 * dt * (particles.velocity[i] + particles.predicted_velocity[i]))
-                            : Vector<dim>(dt * particles.velocity[i]);
+    displacement_[i] =
+        mean ? Vector<dim>(0.5 * dt * (particles.velocity[i] + particles.predicted_velocity[i]))
+             : Vector<dim>(dt * particles.velocity[i]);
   for (const auto& motion : effects_.motion) motion->add_displacement(state_, displacement_);
   for (std::size_t i = 0; i < particles.size(); ++i) particles.position[i] += displacement_[i];
   Clock& clock = state_.clock;
@@ -337,49 +351,45 @@ double Simulation<dim>::inflow_flux() const {
 template <int dim>
 void Simulation<dim>::save(Archive& archive) const {
   const auto& p = state_.particles;
-  const auto flat = [](const std::vector<Vector<dim>>& values) {
-    std::vector<double> out;
-    out.reserve(values.size() * dim);
-    for (const auto& v : values)
-      for (int d = 0; d < dim; ++d) out.push_back(v[d]);
-    return out;
-  };
-  archive["position"] = flat(p.position);
-  archive["velocity"] = flat(p.velocity);
-  archive["predicted_velocity"] = flat(p.predicted_velocity);
+  archive["position"] = flattened<dim>(p.position);
+  archive["velocity"] = flattened<dim>(p.velocity);
+  archive["predicted_velocity"] = flattened<dim>(p.predicted_velocity);
   archive["pseudo_pressure"] = p.pseudo_pressure;
   std::vector<std::int64_t> role(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) role[i] = static_cast<std::int64_t>(p.role[i]);
   archive["role"] = role;
   archive["identity"] = p.identity;
-  for (const auto& array : p.carried) archive["carried/" + array.name] = flat(*array.values);
+  for (const auto& array : p.carried)
+    archive["carried/" + array.name] = flattened<dim>(*array.values);
   const Clock& c = state_.clock;
   archive["clock"] = std::vector<double>{c.time, c.time_step, c.previous_time_step};
-  archive["counters"] = std::vector<std::int64_t>{
-      c.step, p.next_identity, static_cast<std::int64_t>(p.solids),
-      static_cast<std::int64_t>(p.unknowns), books_.entered, books_.left, books_.returned,
-      books_.upstream, books_.lost};
+  archive["counters"] = std::vector<std::int64_t>{c.step,
+                                                  p.next_identity,
+                                                  static_cast<std::int64_t>(p.solids),
+                                                  static_cast<std::int64_t>(p.unknowns),
+                                                  books_.entered,
+                                                  books_.left,
+                                                  books_.returned,
+                                                  books_.upstream,
+                                                  books_.lost};
   for (const auto* effect : effects_.remembers) effect->save(archive);
 }
 
 template <int dim>
 void Simulation<dim>::restore(const Archive& archive) {
   auto& p = state_.particles;
-  const auto unflat = [&](const std::string& name, std::vector<Vector<dim>>& values) {
-    const auto& flat = std::get<std::vector<double>>(archive.at(name));
-    values.resize(flat.size() / dim);
-    for (std::size_t i = 0; i < values.size(); ++i)
-      for (int d = 0; d < dim; ++d) values[i][d] = flat[i * dim + d];
+  const auto read = [&](const std::string& name, std::vector<Vector<dim>>& values) {
+    unflatten<dim>(std::get<std::vector<double>>(archive.at(name)), values);
   };
-  unflat("position", p.position);
-  unflat("velocity", p.velocity);
-  unflat("predicted_velocity", p.predicted_velocity);
+  read("position", p.position);
+  read("velocity", p.velocity);
+  read("predicted_velocity", p.predicted_velocity);
   p.pseudo_pressure = std::get<std::vector<double>>(archive.at("pseudo_pressure"));
   p.identity = std::get<std::vector<std::int64_t>>(archive.at("identity"));
   const auto& role = std::get<std::vector<std::int64_t>>(archive.at("role"));
   p.role.resize(role.size());
   for (std::size_t i = 0; i < role.size(); ++i) p.role[i] = static_cast<Role>(role[i]);
-  for (auto& array : p.carried) unflat("carried/" + array.name, *array.values);
+  for (auto& array : p.carried) read("carried/" + array.name, *array.values);
   const auto& clock = std::get<std::vector<double>>(archive.at("clock"));
   const auto& counters = std::get<std::vector<std::int64_t>>(archive.at("counters"));
   state_.clock = {clock[0], clock[1], clock[2], counters[0]};

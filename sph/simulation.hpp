@@ -1,6 +1,6 @@
 #pragma once
-/// A scene set up for the particle method: the state, the effects that the scene names, and the ACTIONs of
-/// the time step, each with its equation number.
+/// A scene set up for the particle method: the state, the effects that the scene names, and the
+/// ACTIONs of the time step, each with its equation number.
 
 #include "sph/boundary/open_sides.hpp"
 #include "sph/effects/roles.hpp"
@@ -14,17 +14,26 @@
 
 namespace sprung::sph {
 
-enum class Action { body_forces, predictor, pressure_assembly, pressure_solve, corrector, motion, support, output };
+enum class Action {
+  body_forces,
+  predictor,
+  pressure_assembly,
+  pressure_solve,
+  corrector,
+  motion,
+  support,
+  output
+};
 inline constexpr std::size_t action_count = 8;
 const char* to_string(Action action);
 
 /// The effects of a scene, by the role they play; built by the registry.
 template <int dim>
 struct Effects {
-  std::vector<std::unique_ptr<Acceleration<dim>>> body_forces;  ///< ACTION 4
-  std::vector<std::unique_ptr<Acceleration<dim>>> diffusion;    ///< ACTION 5
-  std::vector<std::unique_ptr<Motion<dim>>> motion;             ///< ACTION 8
-  std::vector<Constraint<dim>*> constraints;                    ///< ACTION 7
+  std::vector<std::unique_ptr<Acceleration<dim>>> body_forces;   ///< ACTION 4
+  std::vector<std::unique_ptr<Acceleration<dim>>> diffusion;     ///< ACTION 5
+  std::vector<std::unique_ptr<Motion<dim>>> motion;              ///< ACTION 8
+  std::vector<Constraint<dim>*> constraints;                     ///< ACTION 7
   std::vector<std::unique_ptr<TimeStepLimit<dim>>> pure_limits;  ///< effects that do nothing else
   std::vector<const TimeStepLimit<dim>*> limits;
   std::vector<Remembers*> remembers;
@@ -44,12 +53,14 @@ class Simulation {
   void add_inflow(InflowSide<dim> side) { inflow_.push_back(std::move(side)); }
   void add_outflow(OutflowSide<dim> side) { outflow_.push_back(std::move(side)); }
   Effects<dim>& effects() { return effects_; }
-  /// Builds the first support lists (ACTION 3). `velocity_scale` (m/s) is the fastest flow expected, for
-  /// the CFL limit and the rate of the density feedback. `fixed_time_step`: 0 lets the limits decide.
+  /// Builds the first support lists (ACTION 3). `velocity_scale` (m/s) is the fastest flow
+  /// expected, for the CFL limit and the rate of the density feedback. `fixed_time_step`: 0 lets
+  /// the limits decide.
   void start(double velocity_scale, double fixed_time_step);
 
-  /// A body in vacuum: its sides are free surfaces at zero pressure, and the density feedback aims at each
-  /// particle's own filling at rest. Called before start(); for tests of the material, not of a flow.
+  /// A body in vacuum: its sides are free surfaces at zero pressure, and the density feedback aims
+  /// at each particle's own filling at rest. Called before start(); for tests of the material, not
+  /// of a flow.
   void stand_in_vacuum() { vacuum_ = true; }
 
   /// The largest step that every limit allows, and which limit that is.
@@ -103,9 +114,9 @@ class Simulation {
   double stop_at_ = std::numeric_limits<double>::infinity();
   std::vector<OpenPlane<dim>> open_planes_;
   bool vacuum_ = false;
-  double full_weight_ = 0.0;             ///< sum of a_ij on the whole lattice, for free surfaces
-  std::vector<double> rest_partition_;   ///< of each particle in vacuum
-  double whole_count_ = 0.0;  ///< particles that the domain holds at the fluid's density
+  double full_weight_ = 0.0;            ///< sum of a_ij on the whole lattice, for free surfaces
+  std::vector<double> rest_partition_;  ///< of each particle in vacuum
+  double whole_count_ = 0.0;            ///< particles that the domain holds at the fluid's density
   Vector<dim> box_low_, box_high_;
   std::array<double, action_count> seconds_{};
 

@@ -1,7 +1,7 @@
 #pragma once
-/// Images: copies of particles outside a wall, each knowing its source and the rule by which each field
-/// is copied. Sweeps see particles and images alike; the pressure matrix folds an image's coefficient
-/// into its source; only this file knows how images are made.
+/// Images: copies of particles outside a wall, each knowing its source and the rule by which each
+/// field is copied. Sweeps see particles and images alike; the pressure matrix folds an image's
+/// coefficient into its source; only this file knows how images are made.
 
 #include "scene/problem.hpp"
 #include "sph/particles.hpp"
@@ -11,9 +11,9 @@ namespace sprung::sph {
 /// A flat wall of the channel box.
 template <int dim>
 struct Wall {
-  int axis = 0;         ///< normal direction
-  double place = 0.0;   ///< coordinate of the plane, m
-  int inward = 1;       ///< +1 when the fluid lies on the side of larger coordinates
+  int axis = 0;        ///< normal direction
+  double place = 0.0;  ///< coordinate of the plane, m
+  int inward = 1;      ///< +1 when the fluid lies on the side of larger coordinates
   bool no_slip = true;
   Vector<dim> velocity = Vector<dim>::Zero();
 };
@@ -23,8 +23,8 @@ class Images {
  public:
   explicit Images(std::vector<Wall<dim>> walls) : walls_(std::move(walls)) {}
 
-  /// Mirrors every particle closer than `reach` to a wall along the wall's normal (ACTION 3); near an
-  /// edge, images are mirrored again in the next wall.
+  /// Mirrors every particle closer than `reach` to a wall along the wall's normal (ACTION 3); near
+  /// an edge, images are mirrored again in the next wall.
   void mirror(const Particles<dim>& particles, double reach);
 
   /// Particles' positions followed by the images'.
@@ -40,12 +40,13 @@ class Images {
     return index < particles_ ? index : root_[index - particles_];
   }
 
-  /// `velocity` of the particles followed by the images' for the viscous term: 2 u_wall - u at a no-slip
-  /// wall, so that the velocity is the wall's at the wall; only the normal part turned round at free slip.
+  /// `velocity` of the particles followed by the images' for the viscous term: 2 u_wall - u at a
+  /// no-slip wall, so that the velocity is the wall's at the wall; only the normal part turned
+  /// round at free slip.
   void extend_for_viscosity(const std::vector<Vector<dim>>& velocity,
                             std::vector<Vector<dim>>& extended) const;
-  /// The same for the divergence: only the normal part is turned round. The full reversal would let the
-  /// shear along a wall count as a source.
+  /// The same for the divergence: only the normal part is turned round. The full reversal would let
+  /// the shear along a wall count as a source.
   void extend_for_divergence(const std::vector<Vector<dim>>& velocity,
                              std::vector<Vector<dim>>& extended) const;
 

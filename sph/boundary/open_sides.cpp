@@ -9,32 +9,20 @@ namespace sprung::sph {
 
 namespace {
 
-template <int dim>
-Vector<dim> corner(const Point& point) {
-  Vector<dim> x;
-  for (int d = 0; d < dim; ++d) x[d] = point[d];
-  return x;
-}
-
 /// Calls `place(x)` for every lattice site of `columns` columns outside the plane.
 template <int dim, typename Place>
 void for_each_site(const OpenPlane<dim>& plane, const Vector<dim>& low, const Vector<dim>& high,
                    double spacing, int columns, Place&& place) {
-  std::array<int, dim> count;
+  std::array<long, dim> count;
   for (int d = 0; d < dim; ++d)
-    count[d] = d == plane.axis ? columns
-                               : static_cast<int>(std::lround((high[d] - low[d]) / spacing));
-  std::array<int, dim> at{};
-  while (true) {
+    count[d] = d == plane.axis ? columns : std::lround((high[d] - low[d]) / spacing);
+  for_each_index<dim>(count, [&](const std::array<long, dim>& at) {
     Vector<dim> x;
     for (int d = 0; d < dim; ++d)
       x[d] = d == plane.axis ? plane.place + plane.outward * (at[d] + 0.5) * spacing
                              : low[d] + (at[d] + 0.5) * spacing;
     place(x);
-    int d = 0;
-    while (d < dim && ++at[d] == count[d]) at[d++] = 0;
-    if (d == dim) return;
-  }
+  });
 }
 
 }  // namespace
@@ -42,12 +30,18 @@ void for_each_site(const OpenPlane<dim>& plane, const Vector<dim>& low, const Ve
 template <int dim>
 OpenPlane<dim> open_plane(const Box& channel, Side side) {
   switch (side) {
-    case Side::left: return {0, -1, channel.from[0]};
-    case Side::right: return {0, 1, channel.to[0]};
-    case Side::bottom: return {1, -1, channel.from[1]};
-    case Side::top: return {1, 1, channel.to[1]};
-    case Side::back: return {2, -1, channel.from[2]};
-    case Side::front: return {2, 1, channel.to[2]};
+    case Side::left:
+      return {0, -1, channel.from[0]};
+    case Side::right:
+      return {0, 1, channel.to[0]};
+    case Side::bottom:
+      return {1, -1, channel.from[1]};
+    case Side::top:
+      return {1, 1, channel.to[1]};
+    case Side::back:
+      return {2, -1, channel.from[2]};
+    case Side::front:
+      return {2, 1, channel.to[2]};
   }
   throw std::logic_error("open_plane: unknown side");
 }
@@ -56,16 +50,15 @@ template <int dim>
 InflowSide<dim>::InflowSide(const Inflow& inflow, const Box& channel, double spacing, double reach)
     : inflow_(inflow),
       plane_(open_plane<dim>(channel, inflow.side)),
-      low_(corner<dim>(channel.from)),
-      high_(corner<dim>(channel.to)),
+      low_(as_vector<dim>(channel.from)),
+      high_(as_vector<dim>(channel.to)),
       spacing_(spacing),
       columns_(static_cast<int>(std::ceil(reach / spacing - 1e-9))) {}
 
 template <int dim>
 Vector<dim> InflowSide<dim>::velocity_at(const Vector<dim>& x, double time) const {
   const int across = plane_.axis == 0 ? 1 : 0;
-  const double speed =
-      inflow_.speed(x[across] - low_[across], high_[across] - low_[across], time);
+  const double speed = inflow_.speed(x[across] - low_[across], high_[across] - low_[across], time);
   Vector<dim> u = Vector<dim>::Zero();
   u[plane_.axis] = -plane_.outward * speed;
   return u;
@@ -113,8 +106,8 @@ template <int dim>
 OutflowSide<dim>::OutflowSide(const Outflow& outflow, const Box& channel, double spacing,
                               double reach, double density)
     : plane_(open_plane<dim>(channel, outflow.side)),
-      low_(corner<dim>(channel.from)),
-      high_(corner<dim>(channel.to)),
+      low_(as_vector<dim>(channel.from)),
+      high_(as_vector<dim>(channel.to)),
       spacing_(spacing),
       columns_(static_cast<int>(std::ceil(reach / spacing - 1e-9))),
       pseudo_pressure_(-outflow.pressure / density) {}

@@ -8,11 +8,11 @@ namespace sprung::sph {
 
 /// Why particles were created and removed.
 struct ParticleBooks {
-  std::int64_t entered = 0;      ///< became fluid at an inflow side
-  std::int64_t left = 0;         ///< became part of an outflow column
-  std::int64_t returned = 0;     ///< came back from an outflow column
-  std::int64_t upstream = 0;     ///< fluid that crossed an inflow side outwards, removed
-  std::int64_t lost = 0;         ///< fluid found outside a wall, removed
+  std::int64_t entered = 0;   ///< became fluid at an inflow side
+  std::int64_t left = 0;      ///< became part of an outflow column
+  std::int64_t returned = 0;  ///< came back from an outflow column
+  std::int64_t upstream = 0;  ///< fluid that crossed an inflow side outwards, removed
+  std::int64_t lost = 0;      ///< fluid found outside a wall, removed
 };
 
 /// One side of the box seen from inside: `depth` is the distance beyond the side.
@@ -27,8 +27,8 @@ struct OpenPlane {
 template <int dim>
 OpenPlane<dim> open_plane(const Box& channel, Side side);
 
-/// Columns of particles that move with the prescribed velocity; one that crosses the side becomes fluid
-/// and a new one enters the outermost column in its row.
+/// Columns of particles that move with the prescribed velocity; one that crosses the side becomes
+/// fluid and a new one enters the outermost column in its row.
 template <int dim>
 class InflowSide {
  public:
@@ -40,8 +40,8 @@ class InflowSide {
   /// After the motion: roles change, particles are created. Order is restored by sort_by_role.
   void exchange(Particles<dim>& particles, double time, ParticleBooks& books) const;
   Vector<dim> velocity_at(const Vector<dim>& x, double time) const;
-  /// Whether a fluid particle has drifted out against the inflow. One that has just entered may be shifted back
-  /// over the side by a hair; it is carried in again.
+  /// Whether a fluid particle has drifted out against the inflow. One that has just entered may be
+  /// shifted back over the side by a hair; it is carried in again.
   bool upstream(const Vector<dim>& x) const { return plane_.depth(x) > 0.5 * spacing_; }
   /// Volume flux into the domain, m2/s (m3/s in space), at time t.
   double flux(double time) const;
@@ -55,8 +55,9 @@ class InflowSide {
   int columns_;
 };
 
-/// Columns at the prescribed pressure. A particle that crosses the side joins them; past the outermost it
-/// is removed. Their velocity is that of the interior, mirrored in the side, so that du/dn = 0 there.
+/// Columns at the prescribed pressure. A particle that crosses the side joins them; past the
+/// outermost it is removed. Their velocity is that of the interior, mirrored in the side, so that
+/// du/dn = 0 there.
 template <int dim>
 class OutflowSide {
  public:
@@ -79,8 +80,8 @@ class OutflowSide {
   double pseudo_pressure_;
 };
 
-/// Puts particles in the order that Particles states and drops those marked. `cell` > 0 also sorts the fluid
-/// by search cell.
+/// Puts particles in the order that Particles states and drops those marked. `cell` > 0 also sorts
+/// the fluid by search cell.
 template <int dim>
 void sort_by_role(Particles<dim>& particles, const std::vector<bool>& dropped, double cell);
 

@@ -9,15 +9,15 @@ namespace sprung::sph {
 
 namespace {
 
-/// What a particle's weights must integrate: twice the integrals of 1, m_k and m_k m_l over the part of
-/// the body nearest to it, less what the bulk rule leaves at a free surface (see bond_weights.hpp).
-/// Lengths in units of dx, places from the particle.
+/// What a particle's weights must integrate: twice the integrals of 1, m_k and m_k m_l over the
+/// part of the body nearest to it, less what the bulk rule leaves at a free surface (see
+/// bond_weights.hpp). Lengths in units of dx, places from the particle.
 struct Share {
   double area = 0.0;
   Vector<2> first = Vector<2>::Zero();
   Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
-  double surface = 0.0;                                   ///< length of free surface
-  Vector<2> surface_first = Vector<2>::Zero();            ///< integral of n
+  double surface = 0.0;                                      ///< length of free surface
+  Vector<2> surface_first = Vector<2>::Zero();               ///< integral of n
   Eigen::Matrix2d surface_second = Eigen::Matrix2d::Zero();  ///< integral of n m + m n
 };
 
@@ -98,9 +98,9 @@ class BodySampling {
   std::vector<Share> shares_;
 };
 
-/// Weights closest to `nominal` whose sum is twice the area and, for the bonds along the axes, whose first and
-/// second moments are those of `share`. The sum is asked far more strongly than the first moments, those more
-/// than the second, and the least change last.
+/// Weights closest to `nominal` whose sum is twice the area and, for the bonds along the axes,
+/// whose first and second moments are those of `share`. The sum is asked far more strongly than the
+/// first moments, those more than the second, and the least change last.
 Eigen::VectorXd quadrature_weights(const Eigen::MatrixXd& midpoint, const Eigen::VectorXd& nominal,
                                    const Share& share, bool diagonal) {
   const Vector<2> first = 2.0 * share.first - bulk_defect * share.surface_first;
@@ -152,8 +152,8 @@ void weigh_bonds(ElasticNetwork<2>& network, std::size_t first_bond, std::size_t
       int own = 0;
       for (const std::size_t k : group) {
         const Bond& b = bond_at(k);
-        const Vector<2> m = (0.5 * (network.reference[b.a] + network.reference[b.b]) -
-                             network.reference[p]) / dx;
+        const Vector<2> m =
+            (0.5 * (network.reference[b.a] + network.reference[b.b]) - network.reference[p]) / dx;
         const bool mine = b.a == self || b.b == self;
         own += mine;
         if (m.norm() < reach) {
@@ -169,13 +169,14 @@ void weigh_bonds(ElasticNetwork<2>& network, std::size_t first_bond, std::size_t
         midpoint.row(k) = middle[k].transpose();
         nominal[k] = b.a == self || b.b == self ? 0.5 : 0.0;
       }
-      const Eigen::VectorXd given = bulk ? nominal : quadrature_weights(midpoint, nominal, share, diagonal);
+      const Eigen::VectorXd given =
+          bulk ? nominal : quadrature_weights(midpoint, nominal, share, diagonal);
       for (std::size_t k = 0; k < near.size(); ++k) weight[near[k]] += given[k];
     }
   }
   for (std::size_t k = 0; k < bonds; ++k) {
-    // The ghost's own share is the mirror image of what was given here, and the same movement of the
-    // particle strains the half of the bond that is material twice as much.
+    // The ghost's own share is the mirror image of what was given here, and the same movement of
+    // the particle strains the half of the bond that is material twice as much.
     const double w = is_ghost(bond_at(k)) ? 4.0 * weight[k] : weight[k];
     bond_at(k).stiffness *= std::max(w, 0.3);
   }

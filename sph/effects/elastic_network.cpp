@@ -16,20 +16,28 @@ template <int dim>
 using LatticePlaces = std::map<std::array<int, dim>, std::int32_t>;
 
 template <int dim>
-std::array<int, dim> lattice_place(const Vector<dim>& x, const Vector<dim>& origin, double spacing) {
+std::array<int, dim> lattice_place(const Vector<dim>& x, const Vector<dim>& origin,
+                                   double spacing) {
   std::array<int, dim> place;
-  for (int d = 0; d < dim; ++d) place[d] = static_cast<int>(std::lround((x[d] - origin[d]) / spacing));
+  for (int d = 0; d < dim; ++d)
+    place[d] = static_cast<int>(std::lround((x[d] - origin[d]) / spacing));
   return place;
 }
 
 std::pair<int, int> axis_and_outward(Side side) {
   switch (side) {
-    case Side::left: return {0, -1};
-    case Side::right: return {0, 1};
-    case Side::bottom: return {1, -1};
-    case Side::top: return {1, 1};
-    case Side::back: return {2, -1};
-    case Side::front: return {2, 1};
+    case Side::left:
+      return {0, -1};
+    case Side::right:
+      return {0, 1};
+    case Side::bottom:
+      return {1, -1};
+    case Side::top:
+      return {1, 1};
+    case Side::back:
+      return {2, -1};
+    case Side::front:
+      return {2, 1};
   }
   return {0, 0};
 }
@@ -121,16 +129,15 @@ void append_body(ElasticNetwork<dim>& network, const Particles<dim>& particles, 
       };
       const std::array<std::int32_t, 4> corner{i, find(1, 0), find(1, 1), find(0, 1)};
       if (*std::min_element(corner.begin(), corner.end()) < 0) continue;
-      const auto ghosts = std::count_if(corner.begin(), corner.end(),
-                                        [n](std::int32_t c) { return c >= n; });
+      const auto ghosts =
+          std::count_if(corner.begin(), corner.end(), [n](std::int32_t c) { return c >= n; });
       if (ghosts == 0) network.body_cells.push_back(corner);
       if (ghosts == 4 || numerics.area_stiffness == 0.0) continue;
       // Half of a cell at a clamp is material, and the same opening strains it twice as much.
       const double modulus = numerics.area_stiffness * stiffness.shear_modulus;
       network.cells.push_back({corner, dx * dx, ghosts > 0 ? 2.0 * modulus : modulus});
     }
-    if (numerics.surface_correction)
-      weigh_bonds(network, first_bond, first, last, solid, dx);
+    if (numerics.surface_correction) weigh_bonds(network, first_bond, first, last, solid, dx);
   }
 }
 

@@ -10,7 +10,6 @@ namespace {
 constexpr double implicit_weight = 0.5;
 constexpr double implicit_damping = 0.1;
 
-
 template <int dim>
 using Block = Eigen::Matrix<double, dim, dim>;
 
@@ -102,8 +101,8 @@ void ElasticSolid<dim>::assemble_tangent(std::span<const Vector<dim>> position) 
     const Vector<dim> r = place(bond.a) - place(bond.b);
     const double length = r.norm();
     const Vector<dim> e = r / length;
-    // The transverse part of a shortened bond is negative; without it K stays positive definite, and F,
-    // which decides the motion, is exact.
+    // The transverse part of a shortened bond is negative; without it K stays positive definite,
+    // and F, which decides the motion, is exact.
     const double transverse = std::max(0.0, 1.0 - bond.rest_length / length);
     const Block<dim> k = bond.stiffness * ((1.0 - transverse) * e * e.transpose() +
                                            transverse * Block<dim>::Identity());
@@ -142,8 +141,9 @@ void ElasticSolid<dim>::implicit_acceleration(const State<dim>& state) {
   }
   factor_.factorize(system_);
   if (factor_.info() != Eigen::Success)
-    throw std::runtime_error("the implicit spring system cannot be factorised: a spring has collapsed "
-                             "or a position is not a number");
+    throw std::runtime_error(
+        "the implicit spring system cannot be factorised: a spring has collapsed "
+        "or a position is not a number");
   Eigen::VectorXd velocity(n * dim), right(n * dim);
   for (std::size_t i = 0; i < n; ++i) {
     velocity.template segment<dim>(i * dim) = particles.velocity[i];

@@ -18,20 +18,21 @@ class ElasticSolid final : public Acceleration<dim>,
   ElasticSolid(ElasticNetwork<dim> network, const Particles<dim>& particles,
                SpringIntegration integration);
 
-  /// Explicit: F(x)/m. Implicit: H F/m with H = (M + g dt^2 K)^-1 M, K the positive part of the tangent,
-  /// and F taken at x + a dt u (g = 1/2, a = 1/10).
+  /// Explicit: F(x)/m. Implicit: H F/m with H = (M + g dt^2 K)^-1 M, K the positive part of the
+  /// tangent, and F taken at x + a dt u (g = 1/2, a = 1/10).
   void add_acceleration(const State<dim>& state, std::vector<Vector<dim>>& acceleration) override;
 
-  /// Implicit springs: what pressure and viscosity did to the body passes through H too, so that the whole
-  /// step is (M + g dt^2 K) du/dt = F + f. A lasting load is then carried by the true stiffness whatever the
-  /// step, and the noise of the pressure does not shake the stiff modes, whose dt^2 f/m would otherwise be
-  /// added to the positions unopposed. With the new-velocity update an undamped spring becomes the leapfrog
-  /// of squared frequency w^2/(1 + g w^2 dt^2), stable for any step; `a` damps a mode by the ratio
-  /// a w dt/2 and the stiffest by sqrt(1 - a/g) per step.
+  /// Implicit springs: what pressure and viscosity did to the body passes through H too, so that
+  /// the whole step is (M + g dt^2 K) du/dt = F + f. A lasting load is then carried by the true
+  /// stiffness whatever the step, and the noise of the pressure does not shake the stiff modes,
+  /// whose dt^2 f/m would otherwise be added to the positions unopposed. With the new-velocity
+  /// update an undamped spring becomes the leapfrog of squared frequency w^2/(1 + g w^2 dt^2),
+  /// stable for any step; `a` damps a mode by the ratio a w dt/2 and the stiffest by sqrt(1 - a/g)
+  /// per step.
   void constrain(State<dim>& state, const std::vector<Vector<dim>>& old_velocity) override;
 
-  /// What explicit springs with the new-velocity update allow, 0.8 x 2/omega_max (s), omega_max by power iteration
-  /// on K/m at rest. Implicit springs set no limit and are not asked.
+  /// What explicit springs with the new-velocity update allow, 0.8 x 2/omega_max (s), omega_max by
+  /// power iteration on K/m at rest. Implicit springs set no limit and are not asked.
   double largest_time_step(const State<dim>&) const override {
     return 0.8 * 2.0 / highest_frequency_;
   }

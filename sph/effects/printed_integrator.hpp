@@ -5,10 +5,11 @@
 
 namespace sprung::sph {
 
-/// Moving with the mean of old and new velocity, an elastic mode of frequency w that viscosity damps at the
-/// rate c changes by the determinant 1 - c dt + w^2 dt^2 / 2 per step: without viscosity it grows at any
-/// step. For shear waves c = nu k^2 and w^2 = C44 k^2 / rho, so the wave number drops out and the limit is
-/// dt < 2 mu / C44, whatever the spacing; C44 is the lattice's shear stiffness along its axes.
+/// Moving with the mean of old and new velocity, an elastic mode of frequency w that viscosity
+/// damps at the rate c changes by the determinant 1 - c dt + w^2 dt^2 / 2 per step: without
+/// viscosity it grows at any step. For shear waves c = nu k^2 and w^2 = C44 k^2 / rho, so the wave
+/// number drops out and the limit is dt < 2 mu / C44, whatever the spacing; C44 is the lattice's
+/// shear stiffness along its axes.
 template <int dim>
 class PrintedIntegratorLimit final : public TimeStepLimit<dim> {
  public:

@@ -25,7 +25,8 @@ bool add_viscosity(ParticleScene<dim>& scene, const ModulusTable&) {
   auto effect = std::make_unique<ViscosityEffect<dim>>(nu, simulation.state().particles, surface);
   simulation.effects().limits.push_back(effect.get());
   simulation.effects().diffusion.push_back(std::move(effect));
-  scene.effects.push_back(fmt::format("viscosity: the scene has [viscosity], nu = {:.3g} m2/s", nu));
+  scene.effects.push_back(
+      fmt::format("viscosity: the scene has [viscosity], nu = {:.3g} m2/s", nu));
   return true;
 }
 
@@ -35,8 +36,7 @@ bool add_springs(ParticleScene<dim>& scene, const ModulusTable& table) {
   auto& simulation = *scene.simulation;
   const auto& particles = simulation.state().particles;
   const Numerics& numerics = simulation.numerics();
-  const double lambda =
-      table.modulus_per_stiffness(dim, numerics.bonds, numerics.area_stiffness);
+  const double lambda = table.modulus_per_stiffness(dim, numerics.bonds, numerics.area_stiffness);
   auto network = network_at_rest(particles);
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const Solid& solid = scene.problem.solids[b];
@@ -44,8 +44,9 @@ bool add_springs(ParticleScene<dim>& scene, const ModulusTable& table) {
     append_body(network, particles, scene.bodies[b].first, scene.bodies[b].last, solid, numerics,
                 {k_e, network_shear_modulus<dim>(k_e, numerics.bonds)});
     scene.effects.push_back(fmt::format(
-        "springs: [solid.{}], {} particles, E = {:.4g} Pa, lambda = {:.4f}, k_e = {:.4g} Pa", solid.name,
-        scene.bodies[b].last - scene.bodies[b].first, solid.youngs_modulus, lambda, k_e));
+        "springs: [solid.{}], {} particles, E = {:.4g} Pa, lambda = {:.4f}, k_e = {:.4g} Pa",
+        solid.name, scene.bodies[b].last - scene.bodies[b].first, solid.youngs_modulus, lambda,
+        k_e));
   }
   auto effect = std::make_unique<ElasticSolid<dim>>(std::move(network), particles,
                                                     numerics.spring_integration);
@@ -70,7 +71,8 @@ bool add_shifting(ParticleScene<dim>& scene, const ModulusTable&) {
   return true;
 }
 
-/// The printed update is unstable for springs without viscosity, so such a scene gets no step at all.
+/// The printed update is unstable for springs without viscosity, so such a scene gets no step at
+/// all.
 template <int dim>
 bool add_printed_integrator(ParticleScene<dim>& scene, const ModulusTable& table) {
   auto& simulation = *scene.simulation;
@@ -80,11 +82,14 @@ bool add_printed_integrator(ParticleScene<dim>& scene, const ModulusTable& table
     return false;
   if (!scene.problem.viscosity)
     throw SceneError(
-        "numerics.position_update = \"mean_velocity\" with explicit springs is unstable at any time step "
+        "numerics.position_update = \"mean_velocity\" with explicit springs is unstable at any "
+        "time step "
         "unless viscosity damps it; add a table [viscosity] or use \"new_velocity\"");
   double stiffest = 0.0;
-  for (const Solid& solid : scene.problem.solids) stiffest = std::max(stiffest, solid.youngs_modulus);
-  const double k_e = stiffest / table.modulus_per_stiffness(dim, numerics.bonds, numerics.area_stiffness);
+  for (const Solid& solid : scene.problem.solids)
+    stiffest = std::max(stiffest, solid.youngs_modulus);
+  const double k_e =
+      stiffest / table.modulus_per_stiffness(dim, numerics.bonds, numerics.area_stiffness);
   auto& effects = simulation.effects();
   effects.pure_limits.push_back(std::make_unique<PrintedIntegratorLimit<dim>>(
       scene.problem.viscosity->dynamic, shear_stiffness<dim>(k_e, numerics.bonds)));
@@ -113,7 +118,8 @@ void add_effects(ParticleScene<dim>& scene, const ModulusTable& table) {
   };
   for (const auto& row : rows)
     if (!row.add(scene, table))
-      scene.effects_off.push_back(fmt::format("{}: {} would call for it", row.effect, row.called_for_by));
+      scene.effects_off.push_back(
+          fmt::format("{}: {} would call for it", row.effect, row.called_for_by));
 }
 
 template void add_effects<2>(ParticleScene<2>&, const ModulusTable&);

@@ -12,8 +12,8 @@
 namespace sprung::sph {
 
 struct Clock {
-  double time = 0.0;            ///< s
-  double time_step = 0.0;       ///< of the step under way, s
+  double time = 0.0;                ///< s
+  double time_step = 0.0;           ///< of the step under way, s
   double previous_time_step = 0.0;  ///< 0 before the first step
   std::int64_t step = 0;
 };
@@ -33,7 +33,8 @@ template <int dim>
 class Acceleration {
  public:
   virtual ~Acceleration() = default;
-  virtual void add_acceleration(const State<dim>& state, std::vector<Vector<dim>>& acceleration) = 0;
+  virtual void add_acceleration(const State<dim>& state,
+                                std::vector<Vector<dim>>& acceleration) = 0;
 };
 
 /// Bounds the time step.
@@ -51,8 +52,9 @@ template <int dim>
 class Motion {
  public:
   virtual ~Motion() = default;
-  /// Called with old positions and new velocities, before the particles move. Adds to `displacement`
-  /// (m, one per particle with an equation) and may correct the velocity for the new place.
+  /// Called with old positions and new velocities, before the particles move. Adds to
+  /// `displacement` (m, one per particle with an equation) and may correct the velocity for the new
+  /// place.
   virtual void add_displacement(State<dim>& state, std::vector<Vector<dim>>& displacement) = 0;
 };
 

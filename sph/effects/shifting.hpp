@@ -1,6 +1,7 @@
 #pragma once
-/// Particle shifting of Xu, Stansby & Laurence (2009, J. Comput. Phys. 228, Eqs. 25-29): fluid particles
-/// move a little across streamlines towards the emptier side, and take the velocity of the new place.
+/// Particle shifting of Xu, Stansby & Laurence (2009, J. Comput. Phys. 228, Eqs. 25-29): fluid
+/// particles move a little across streamlines towards the emptier side, and take the velocity of
+/// the new place.
 
 #include "sph/effects/roles.hpp"
 

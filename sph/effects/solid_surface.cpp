@@ -28,13 +28,15 @@ SolidSurface<dim>::SolidSurface(const std::vector<Body>& bodies, const Particles
   }
 }
 
-/// The rotation that best turns the rest places of a particle's neighbours into the present ones (Kabsch).
+/// The rotation that best turns the rest places of a particle's neighbours into the present ones
+/// (Kabsch).
 template <int dim>
 typename SolidSurface<dim>::Rotation SolidSurface<dim>::rotation_of(
     std::size_t solid, const std::vector<Vector<dim>>& position) const {
   Rotation correlation = Rotation::Zero();
   for (const std::int32_t j : near_at_rest_[solid])
-    correlation += (position[j] - position[solid]) * (reference_[j] - reference_[solid]).transpose();
+    correlation +=
+        (position[j] - position[solid]) * (reference_[j] - reference_[solid]).transpose();
   if constexpr (dim == 2) {
     const double angle = std::atan2(correlation(1, 0) - correlation(0, 1), correlation.trace());
     return Eigen::Rotation2Dd(angle).toRotationMatrix();
@@ -46,7 +48,8 @@ typename SolidSurface<dim>::Rotation SolidSurface<dim>::rotation_of(
   }
 }
 
-/// Distance from a solid particle's centre to its body's surface along a normal turned back to rest.
+/// Distance from a solid particle's centre to its body's surface along a normal turned back to
+/// rest.
 template <int dim>
 double SolidSurface<dim>::depth_along(std::size_t solid, const Vector<dim>& rest_normal) const {
   double depth = std::numeric_limits<double>::infinity();
@@ -83,7 +86,8 @@ void SolidSurface<dim>::update(const State<dim>& state) {
         const double depth = depth_along(s, rotation_[s].transpose() * normal_[f]);
         distance_[f] = std::min(distance_[f], (points[f] - points[s]).dot(normal_[f]) - depth);
       }
-  // A particle that has come closer than a quarter of the spacing would ask for a reach without bound.
+  // A particle that has come closer than a quarter of the spacing would ask for a reach without
+  // bound.
   const double least = 0.25 * particles.spacing;
   for (double& d : distance_) d = std::max(d, least);
 }

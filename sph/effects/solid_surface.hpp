@@ -1,6 +1,7 @@
 #pragma once
-/// Where the surface of a body lies between its outer particles and the fluid: half a spacing outside the
-/// outer row's centres on a lattice that the body fills, less where the body cuts a cell.
+/// Where the surface of a body lies between its outer particles and the fluid: half a spacing
+/// outside the outer row's centres on a lattice that the body fills, less where the body cuts a
+/// cell.
 
 #include "sph/effects/elastic_network.hpp"
 #include "sph/effects/roles.hpp"
@@ -9,7 +10,8 @@
 
 namespace sprung::sph {
 
-/// For each fluid particle near a body, the outward normal of the body's surface and the distance to it.
+/// For each fluid particle near a body, the outward normal of the body's surface and the distance
+/// to it.
 template <int dim>
 class SolidSurface {
  public:
@@ -23,10 +25,11 @@ class SolidSurface {
   /// Finds normals and distances for the present positions.
   void update(const State<dim>& state);
 
-  /// How many times farther a solid particle at `solid` lies from fluid particle `fluid`, along the normal,
-  /// than the surface does: (x_f - x_s) . n / d. The velocity that varies linearly from the fluid particle's
-  /// to the body's at the surface differs by this factor more from the fluid's at the solid particle's place
-  /// than the body's own velocity does (Morris, Fox & Zhu 1997 for fixed walls). At least 1, at most 5.
+  /// How many times farther a solid particle at `solid` lies from fluid particle `fluid`, along the
+  /// normal, than the surface does: (x_f - x_s) . n / d. The velocity that varies linearly from the
+  /// fluid particle's to the body's at the surface differs by this factor more from the fluid's at
+  /// the solid particle's place than the body's own velocity does (Morris, Fox & Zhu 1997 for fixed
+  /// walls). At least 1, at most 5.
   double reach(std::size_t fluid, const Vector<dim>& from_solid) const {
     return std::clamp(from_solid.dot(normal_[fluid]) / distance_[fluid], 1.0, 5.0);
   }

@@ -5,7 +5,9 @@ namespace sprung::sph {
 template <int dim>
 ViscosityEffect<dim>::ViscosityEffect(double kinematic_viscosity, Particles<dim>& particles,
                                       std::shared_ptr<SolidSurface<dim>> surface)
-    : nu_(kinematic_viscosity), surface_(std::move(surface)), previous_diffusion_(particles.size(), Vector<dim>::Zero()) {
+    : nu_(kinematic_viscosity),
+      surface_(std::move(surface)),
+      previous_diffusion_(particles.size(), Vector<dim>::Zero()) {
   particles.carried.push_back({"previous_diffusion", &previous_diffusion_});
 }
 
@@ -14,8 +16,8 @@ void ViscosityEffect<dim>::add_acceleration(const State<dim>& state,
                                             std::vector<Vector<dim>>& acceleration) {
   const auto& particles = state.particles;
   state.images.extend_for_viscosity(particles.velocity, extended_velocity_);
-  // Adams-Bashforth for a step that may differ from the one before; 3/2 and 1/2 for equal steps. The
-  // first step has no past and is taken forward in time.
+  // Adams-Bashforth for a step that may differ from the one before; 3/2 and 1/2 for equal steps.
+  // The first step has no past and is taken forward in time.
   const Clock& clock = state.clock;
   const double ratio =
       clock.previous_time_step > 0.0 ? clock.time_step / clock.previous_time_step : 0.0;
@@ -38,10 +40,11 @@ void ViscosityEffect<dim>::add_acceleration(const State<dim>& state,
   }
 }
 
-/// What the pairs across a body's surface lack when the solid particle's own velocity is taken at its place.
+/// What the pairs across a body's surface lack when the solid particle's own velocity is taken at
+/// its place.
 template <int dim>
-Vector<dim> ViscosityEffect<dim>::beyond_surface(const State<dim>& state, std::size_t i,
-                                                 const typename Support<dim>::Neighbours& near) const {
+Vector<dim> ViscosityEffect<dim>::beyond_surface(
+    const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
   const auto& particles = state.particles;
   const auto& points = state.images.points();
   const bool solid = i < particles.solids;

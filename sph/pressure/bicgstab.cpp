@@ -86,6 +86,8 @@ class Bicgstab final : public PressureSolver {
 
 }  // namespace
 
-std::unique_ptr<PressureSolver> make_bicgstab_solver() { return std::make_unique<Bicgstab>(); }
+std::unique_ptr<PressureSolver> make_bicgstab_solver() {
+  return std::make_unique<Bicgstab>();
+}
 
 }  // namespace sprung::sph

@@ -38,7 +38,8 @@ void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>
       }
       if (static_cast<std::size_t>(j) == i) continue;
       diagonal += a;
-      // Lower entries grow from the row's begin, upper ones from its end; where nothing was left out they meet.
+      // Lower entries grow from the row's begin, upper ones from its end; where nothing was left
+      // out they meet.
       const std::size_t place = static_cast<std::size_t>(j) < i ? front++ : --back;
       column_[place] = j;
       value_[place] = a;
@@ -68,7 +69,9 @@ void PressureMatrix::multiply(std::span<const double> x, std::span<double> y) co
   }
 }
 
-template void PressureMatrix::assemble<2>(const Particles<2>&, const Images<2>&, const Support<2>&, double);
-template void PressureMatrix::assemble<3>(const Particles<3>&, const Images<3>&, const Support<3>&, double);
+template void PressureMatrix::assemble<2>(const Particles<2>&, const Images<2>&, const Support<2>&,
+                                          double);
+template void PressureMatrix::assemble<3>(const Particles<3>&, const Images<3>&, const Support<3>&,
+                                          double);
 
 }  // namespace sprung::sph

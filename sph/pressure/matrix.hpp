@@ -7,13 +7,14 @@
 namespace sprung::sph {
 
 /// sum_j a_ij (psi_i - psi_j) with a_ij = -2 V F_ij >= 0. An image's coefficient is folded into its
-/// source, so a mirrored pressure gives dpsi/dn = 0. Pairs with particles of an inflow column are left out
-/// (the velocity is prescribed there, so the pressure has no say: again dpsi/dn = 0); those of an outflow
-/// column bring their prescribed psi to the right side. Symmetric, since volumes are equal and walls flat.
+/// source, so a mirrored pressure gives dpsi/dn = 0. Pairs with particles of an inflow column are
+/// left out (the velocity is prescribed there, so the pressure has no say: again dpsi/dn = 0);
+/// those of an outflow column bring their prescribed psi to the right side. Symmetric, since
+/// volumes are equal and walls flat.
 class PressureMatrix {
  public:
-  /// `full_weight` (1/m2): where neighbours are missing, sum_j a_ij is topped up to it with particles of zero
-  /// pressure, as at a free surface; 0 leaves the rows as they are.
+  /// `full_weight` (1/m2): where neighbours are missing, sum_j a_ij is topped up to it with
+  /// particles of zero pressure, as at a free surface; 0 leaves the rows as they are.
   template <int dim>
   void assemble(const Particles<dim>& particles, const Images<dim>& images,
                 const Support<dim>& support, double full_weight = 0.0);

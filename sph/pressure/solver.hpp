@@ -17,8 +17,8 @@ struct SolveReport {
 class PressureSolver {
  public:
   virtual ~PressureSolver() = default;
-  /// Called once per matrix, before the first solve with it. `cell_of` groups the unknowns for solvers
-  /// with a coarse level.
+  /// Called once per matrix, before the first solve with it. `cell_of` groups the unknowns for
+  /// solvers with a coarse level.
   virtual void prepare(const PressureMatrix& matrix, std::span<const std::int32_t> cell_of,
                        std::span<const std::int32_t> cell_extent) = 0;
   /// Improves `x` until |b - A x| <= tolerance |b|. `x` comes in as the first guess.

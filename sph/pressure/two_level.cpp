@@ -11,8 +11,9 @@ namespace sprung::sph {
 
 namespace {
 
-/// Multiplicative and symmetric: forward Gauss-Seidel from zero, coarse correction, backward sweep. The
-/// sweeps run inside blocks of fixed size side by side, so the bits do not depend on the threads.
+/// Multiplicative and symmetric: forward Gauss-Seidel from zero, coarse correction, backward sweep.
+/// The sweeps run inside blocks of fixed size side by side, so the bits do not depend on the
+/// threads.
 class TwoLevel final : public PressureSolver {
  public:
   void prepare(const PressureMatrix& matrix, std::span<const std::int32_t> cell_of,
@@ -73,8 +74,8 @@ class TwoLevel final : public PressureSolver {
     const std::int32_t layer = extent.size() == 3 ? extent[0] * extent[1] : 0;
     auto slot = [&](std::int32_t from, std::int32_t to) {
       const std::int32_t dx = to % row - from % row;
-      const std::int32_t dy = extent.size() == 3 ? to % layer / row - from % layer / row
-                                                 : to / row - from / row;
+      const std::int32_t dy =
+          extent.size() == 3 ? to % layer / row - from % layer / row : to / row - from / row;
       const std::int32_t dz = extent.size() == 3 ? to / layer - from / layer : 0;
       return (dx + 1) + 3 * (dy + 1) + (extent.size() == 3 ? 9 * (dz + 1) : 0);
     };
@@ -92,10 +93,12 @@ class TwoLevel final : public PressureSolver {
         else if (other < c)
           line[slot(c, other)] -= lower.value[k];
         else
-          coefficients_[static_cast<std::size_t>(other) * stencil + slot(other, c)] -= lower.value[k];
+          coefficients_[static_cast<std::size_t>(other) * stencil + slot(other, c)] -=
+              lower.value[k];
       }
     }
-    // Only the lower triangle is kept. Its pattern is that of the grid, so it is analysed once per grid.
+    // Only the lower triangle is kept. Its pattern is that of the grid, so it is analysed once per
+    // grid.
     std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(cells * (self + 1));
     for (std::int32_t c = 0; c < cells; ++c) {
@@ -109,8 +112,8 @@ class TwoLevel final : public PressureSolver {
         entries.emplace_back(c, ox + row * oy + layer * oz, line[s]);
       }
       // An empty cell stands alone; a pure Neumann problem is made definite by a slight shift.
-      const double diagonal = line[self] > 0.0 ? line[self] * (matrix.singular() ? 1.0 + 1e-6 : 1.0)
-                                               : 1.0;
+      const double diagonal =
+          line[self] > 0.0 ? line[self] * (matrix.singular() ? 1.0 + 1e-6 : 1.0) : 1.0;
       entries.emplace_back(c, c, diagonal);
     }
     coarse_.resize(cells, cells);
@@ -122,8 +125,9 @@ class TwoLevel final : public PressureSolver {
     }
     factor_.factorize(coarse_);
     if (factor_.info() != Eigen::Success)
-      throw std::runtime_error("the coarse pressure matrix is not positive definite: particles overlap "
-                               "or have left the domain");
+      throw std::runtime_error(
+          "the coarse pressure matrix is not positive definite: particles overlap "
+          "or have left the domain");
     coarse_right_.resize(cells);
   }
 
@@ -143,8 +147,8 @@ class TwoLevel final : public PressureSolver {
         z_[i] = sum * inverse_diagonal_[i];
       }
     }
-    // (D - L) z = r inside a block, so the residual r - A z is what the sweep has not seen: the columns right of
-    // the diagonal, and those left of it in other blocks.
+    // (D - L) z = r inside a block, so the residual r - A z is what the sweep has not seen: the
+    // columns right of the diagonal, and those left of it in other blocks.
 #pragma omp parallel for schedule(static)
     for (std::ptrdiff_t b = 0; b < blocks; ++b) {
       const std::size_t begin = b * sweep_block, end = std::min(n, begin + sweep_block);
@@ -163,7 +167,8 @@ class TwoLevel final : public PressureSolver {
     for (std::size_t i = 0; i < n; ++i) coarse_right_[cell_of_[i]] += w_[i];
     coarse_solution_ = factor_.solve(coarse_right_);
     for (std::size_t i = 0; i < n; ++i) z_[i] += coarse_solution_[cell_of_[i]];
-    // Backward sweep on the residual that is left; outside the block the values are those before it.
+    // Backward sweep on the residual that is left; outside the block the values are those before
+    // it.
     before_ = z_;
 #pragma omp parallel for schedule(static)
     for (std::ptrdiff_t b = 0; b < blocks; ++b) {
@@ -192,6 +197,8 @@ class TwoLevel final : public PressureSolver {
 
 }  // namespace
 
-std::unique_ptr<PressureSolver> make_two_level_solver() { return std::make_unique<TwoLevel>(); }
+std::unique_ptr<PressureSolver> make_two_level_solver() {
+  return std::make_unique<TwoLevel>();
+}
 
 }  // namespace sprung::sph
