@@ -102,6 +102,14 @@ TEST(ElasticNetwork, BondsOfEachShell) {
   }
 }
 
+// method.md section 1, table of lattice constants; half the bonds' weight on the diagonals halves C44.
+TEST(ElasticNetwork, ShearStiffnessAlongTheAxes) {
+  EXPECT_NEAR(shear_stiffness<2>(k_e, Bonds::equal), k_e, 1e-9);
+  EXPECT_NEAR(shear_stiffness<2>(k_e, Bonds::isotropic), 0.5 * k_e, 1e-9);
+  EXPECT_NEAR(shear_stiffness<3>(k_e, Bonds::equal), 7.0 / 3.0 * k_e, 1e-9);
+  EXPECT_NEAR(shear_stiffness<3>(k_e, Bonds::isotropic), k_e, 1e-9);
+}
+
 TEST(ElasticNetwork, GhostsStandOneRowBeyondTheClamp) {
   const auto particles = block<2>({4, 6});
   const auto network =

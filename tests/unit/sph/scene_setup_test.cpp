@@ -126,13 +126,33 @@ TEST(SceneSetup, TimeStepIsSetByTheSmallestLimit) {
               1e-12);
   scene.viscosity = 1.0;
   scene.preset = "paper";
+  scene.numerics = "position_update = \"new_velocity\"";
   // Explicit springs: 0.8 x 0.7071 dx sqrt(rho/k_e) in a large block (method.md section 2); the beam of two
   // columns has a lower highest frequency, and a clamp.
   const double block = 0.8 * 0.70711 * 0.0075 * std::sqrt(1000.0 * 1.5 / 0.7e6);
+  const auto symplectic = set_up(scene).simulation->time_step_limit();
+  EXPECT_GT(symplectic.value, 0.99 * block);
+  EXPECT_LT(symplectic.value, 1.3 * block);
+  expect_contains(symplectic.limit, {"springs"});
+  // As printed: 0.8 x 2 mu/C44, C44 = k_e = E/1.5 along the axes.
+  scene.numerics = "";
   const auto printed = set_up(scene).simulation->time_step_limit();
-  EXPECT_GT(printed.value, 0.99 * block);
-  EXPECT_LT(printed.value, 1.3 * block);
-  expect_contains(printed.limit, {"springs"});
+  EXPECT_NEAR(printed.value, 0.8 * 2.0 * 1.5 / 0.7e6, 1e-12);
+  expect_contains(printed.limit, {"mean velocity"});
+}
+
+TEST(SceneSetup, RefusesThePrintedIntegratorWithoutViscosity) {
+  ChannelScene scene;
+  scene.preset = "paper";
+  std::string inviscid = scene.text();
+  const std::string table = "[viscosity]\ndynamic = \"1 Pa s\"\n";
+  inviscid.replace(inviscid.find(table), table.size(), "");
+  inviscid.replace(inviscid.find("no_slip"), 7, "free_slip");
+  const TemporaryFolder folder;
+  Document document = Document::from_text(inviscid);
+  const auto modulus = test::plane_modulus_table(folder.path() / "table.csv");
+  expect_contains(scene_error([&] { sph::set_up<2>(document, modulus); }),
+                  {"mean_velocity", "unstable", "new_velocity"});
 }
 
 // A table that is present is an effect that exists; its absence means no object, no array.
@@ -177,7 +197,8 @@ TEST(SceneSetup, ABeamBringsItsEffects) {
   const auto printed = set_up(scene);
   EXPECT_EQ(printed.simulation->effects().body_forces.size(), 1u);
   EXPECT_TRUE(printed.simulation->effects().constraints.empty());
-  EXPECT_EQ(printed.simulation->effects().limits.size(), 2u);
+  // Viscosity, the highest spring frequency, the printed update.
+  EXPECT_EQ(printed.simulation->effects().limits.size(), 3u);
 }
 
 }  // namespace
