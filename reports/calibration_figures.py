@@ -76,30 +76,42 @@ def sweep(rows: list[dict]):
     layers = int(rows[0]["layers"])
     pulled, pushed = [where(rows, stress_pa=s) for s in (1e4, -1e4)]
     k_e = column(pulled, "k_e_pa")
-    figure, (left, right) = plt.subplots(1, 2, figsize=(style.WIDTH, 3.9), layout="constrained")
-    shown = [("ends", 0.0, "o", style.REFERENCE), ("ends", 1.0, "s", style.RUNS["recommended"]),
-             ("inner", 1.0, "^", style.RUNS["paper"]), ("core", 1.0, "v", style.FURTHER[1])]
-    names = {v: k for k, v in AREAS.items()}
-    for gauge, less, marker, colour in shown:
-        area = (layers / (layers - less)) ** 2
+    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(style.WIDTH, 3.9), layout="constrained")
+
+    def slope_by(gauge: str, less: float) -> tuple[float, float, np.ndarray]:
         # Pull and push together: their mean has no term linear in the strain.
+        area = (layers / (layers - less)) ** 2
         lam = 0.5 * area * (column(pulled, f"lambda_{gauge}") + column(pushed, f"lambda_{gauge}"))
-        slope, half = slope_through_origin(k_e, lam * k_e)
-        left.plot(1e-6 * k_e, 1e-6 * lam * k_e, marker, color=colour, ms=4.5, mfc="none",
-                  label=f"{GAUGES[gauge][0]}, {names[less]}: {slope:.3f} ± {half:.3f}")
-        left.plot(1e-6 * k_e, 1e-6 * slope * k_e, "-", color=colour, lw=0.8)
-    left.plot(1e-6 * k_e, 1e-6 * PAPER_LAMBDA * k_e, ":", color="grey", lw=1.6, label="paper: 3.23")
-    left.set(xscale="log", yscale="log", xlabel="spring stiffness $k_e$ [MPa]", ylabel="E [MPa]",
-             title=f"E against $k_e$, cube of {layers}³, ±0.01 MPa")
-    left.legend(title="strain between, area: λ", fontsize=7.5, title_fontsize=7.5)
+        return *slope_through_origin(k_e, lam * k_e), lam * k_e
+
+    slope, _, modulus = slope_by("ends", 0.0)
+    left.plot(1e-6 * k_e, 1e-6 * modulus, "o", color=style.REFERENCE, ms=4.5, mfc="none", label="measured")
+    left.plot(1e-6 * k_e, 1e-6 * slope * k_e, "-", color=style.REFERENCE, lw=0.9,
+              label=f"E = {slope:.3f} $k_e$")
+    left.plot(1e-6 * k_e, 1e-6 * PAPER_LAMBDA * k_e, ":", color="grey", lw=1.6, label="paper: E = 3.23 $k_e$")
+    left.set(xlabel="spring stiffness $k_e$ [MPa]", ylabel="E [MPa]",
+             title=f"cube of {layers}³, ±0.01 MPa;\nend layers, area (n dx)²")
+    left.legend(fontsize=7.5)
+
+    middle.axhspan(0.99 * PAPER_LAMBDA, 1.01 * PAPER_LAMBDA, color="#dddddd", lw=0, zorder=0,
+                   label="paper: 3.23 ± 1 %")
+    middle.axhline(3.0, color="grey", ls=":", lw=1.2, label="bulk, derived: 3")
+    for (gauge, (name, marker)), colour in zip(GAUGES.items(), (style.REFERENCE, PULL, PUSH)):
+        fits = [slope_by(gauge, less)[:2] for less in AREAS.values()]
+        middle.errorbar(range(len(AREAS)), [f[0] for f in fits], yerr=[f[1] for f in fits], fmt=marker, ms=4.5,
+                        mfc="none", capsize=3, color=colour, label=f"strain: {name}")
+    middle.set_xticks(range(len(AREAS)), [a.replace(" dx)²", "dx)²") for a in AREAS], fontsize=7.5)
+    middle.set(xlabel="area of the stress", ylabel="λ = E/$k_e$, 95 % interval", xlim=(-0.5, 2.5), ylim=(2.8, 3.62),
+               title="fit of the ten springs,\nby gauge and area")
+    middle.legend(fontsize=7, loc="upper left")
     for rows_of_sign, colour, word in ((pulled, PULL, "pulled"), (pushed, PUSH, "pushed")):
         for gauge, (name, marker) in GAUGES.items():
             right.plot(100 * np.abs(column(rows_of_sign, "strain_ends")),
                        column(rows_of_sign, f"lambda_{gauge}"), marker + "-", color=colour, ms=4, lw=0.8,
                        mfc="none", label=f"{word}, {name}")
-    right.set(xscale="log", xlabel="strain between the end layers [%]", ylabel="λ on the area (n dx)²",
-              title="λ against strain: springs are linear, bodies are not")
-    right.legend(fontsize=7)
+    right.set(xscale="log", xlabel="strain between the end layers [%]", ylabel="λ on (n dx)²",
+              title="against strain: springs are linear,\nbodies are not", ylim=(2.79, 3.29))
+    right.legend(fontsize=7, loc="upper left")
     return figure
 
 
