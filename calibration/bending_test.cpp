@@ -31,7 +31,8 @@ LaidPlate lay(const Plate& plate, int rows, bool clamped) {
   return laid;
 }
 
-/// Coefficients of the least-squares polynomial of degree 2 through the rows' means of `value`, in the middle half.
+/// Coefficients of the least-squares polynomial of degree 2 through the rows' means of `value`, in
+/// the middle half.
 Eigen::Vector3d fit_middle(const LaidPlate& laid, const std::vector<double>& value) {
   const int n = laid.count[0], rows = laid.count[1];
   const int from = rows / 4, to = rows - rows / 4;
@@ -135,7 +136,8 @@ double frequency_ratio(const Plate& plate) {
   const double r2 = thickness * thickness / (12.0 * length * length);
   const double s2 = r2 * modulus / (5.0 / 6.0 * shear);
   const double beam = timoshenko_root(r2, s2) *
-                      std::sqrt(modulus * thickness * thickness / (12.0 * density)) / (length * length);
+                      std::sqrt(modulus * thickness * thickness / (12.0 * density)) /
+                      (length * length);
   return std::sqrt(frequency2) / beam;
 }
 

@@ -37,8 +37,8 @@ SizedPull pull_block(const Material& material, const Pull& pull) {
 }
 
 BulkModulus measure_bulk(const Material& material, const Watcher& advance) {
-  // Blocks small enough to end in minutes, large enough for the quadratic term of 1/n to be seen. Multiples
-  // of 4, so that the gauge at n/4 is the same part of every block.
+  // Blocks small enough to end in minutes, large enough for the quadratic term of 1/n to be seen.
+  // Multiples of 4, so that the gauge at n/4 is the same part of every block.
   const std::vector<int> sizes = material.dimension == 3 ? std::vector{12, 16, 20, 28, 40}
                                                          : std::vector{20, 28, 40, 56, 80, 112};
   // Strain of about 3e-5: what the finite strain adds is of that relative size.

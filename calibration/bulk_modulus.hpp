@@ -10,8 +10,8 @@
 
 namespace sprung::calibration {
 
-/// One pulled block and what each gauge makes of it, stress on the area (n dx)^(dim-1). On another area
-/// A the value is multiplied by (n dx)^(dim-1) / A.
+/// One pulled block and what each gauge makes of it, stress on the area (n dx)^(dim-1). On another
+/// area A the value is multiplied by (n dx)^(dim-1) / A.
 struct SizedPull {
   Material material;
   int layers = 0;
@@ -22,30 +22,35 @@ struct SizedPull {
 
 struct BulkModulus {
   Material material;
-  double lambda = 0.0;       ///< strain between the centres of the end layers, extrapolated in 1/n
-  double interval = 0.0;     ///< half width: the fit's 95 %, or the distance to another gauge if larger
-  double residual = 0.0;     ///< of the fit, root mean square
-  double lambda_inner = 0.0; ///< by the other two gauges, extrapolated alike
+  double lambda = 0.0;  ///< strain between the centres of the end layers, extrapolated in 1/n
+  /// Half width: the fit's 95 %, or the distance to another gauge if that is larger.
+  double interval = 0.0;
+  double residual = 0.0;      ///< of the fit, root mean square
+  double lambda_inner = 0.0;  ///< by the other two gauges, extrapolated alike
   double lambda_core = 0.0;
-  double poisson_ratio = 0.0;  ///< of the core of the largest block; in the plane r/(1+r), r the ratio of strains
-  double strain = 0.0;      ///< of the largest block
+  /// Of the core of the largest block; in the plane r/(1+r), r the ratio of strains.
+  double poisson_ratio = 0.0;
+  double strain = 0.0;  ///< of the largest block
   int fewest_layers = 0, most_layers = 0;
-  double seconds = 0.0;     ///< wall time
+  double seconds = 0.0;  ///< wall time
   std::vector<SizedPull> pulls;
 };
 
-/// Young's modulus over k_e from `load` (force per particle / (k_e dx^(dim-1))) and strain. In space stress is
-/// E strain; in the plane E is that of the incompressible solid in plane strain, stress = 4/3 E strain.
+/// Young's modulus over k_e from `load` (force per particle / (k_e dx^(dim-1))) and strain. In
+/// space stress is E strain; in the plane E is that of the incompressible solid in plane strain,
+/// stress = 4/3 E strain.
 double modulus_per_stiffness(int dimension, double load, double strain);
 
 /// What the incompressible lattice gives along an axis: 3 in space; 3/2 in the plane, and
-/// 3/2 (2 + kappa)/(3 + kappa) with area springs kappa G (Lame constant (1 + kappa) G, plane strain).
+/// 3/2 (2 + kappa)/(3 + kappa) with area springs kappa G (Lame constant (1 + kappa) G, plane
+/// strain).
 double theoretical_lambda(const Material& material);
 
 /// `advance(done, remark)`: 0 to 1.
 using Watcher = std::function<void(double, const std::string&)>;
 
-/// By the particle solver where the material has no area springs, else by its network of springs alone.
+/// By the particle solver where the material has no area springs, else by its network of springs
+/// alone.
 BulkModulus measure_bulk(const Material& material, const Watcher& advance);
 
 /// One block pulled by the way that suits the material.

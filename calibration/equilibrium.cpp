@@ -13,11 +13,14 @@ double find_equilibrium(sph::ElasticNetwork<dim> network, sph::Particles<dim>& p
   using sph::Vector;
   const std::size_t n = network.movable;
   const double mass = particles.mass();
-  // Inertia is what is left beside the tangent stiffness: next to none for a clamped body, for a free one enough to
-  // hold it in place.
+  // Inertia is what is left beside the tangent stiffness: next to none for a clamped body, for a
+  // free one enough to hold it in place.
   const bool clamped = network.reference.size() > n;
   const double time_step = (clamped ? 1e7 : 3e4) / sph::highest_frequency(network, mass);
-  sph::State<dim> state{particles, sph::Images<dim>({}), {}, sph::Kernel<dim>(particles.spacing),
+  sph::State<dim> state{particles,
+                        sph::Images<dim>({}),
+                        {},
+                        sph::Kernel<dim>(particles.spacing),
                         {0.0, time_step, 0.0, 0}};
   sph::ElasticSolid<dim> solid(network, particles, sph::SpringIntegration::implicit_force);
   double largest_load = 0.0;
@@ -31,14 +34,16 @@ double find_equilibrium(sph::ElasticNetwork<dim> network, sph::Particles<dim>& p
     unbalanced = 0.0;
     for (std::size_t i = 0; i < n; ++i)
       unbalanced = std::max(unbalanced, (force[i] + load[i]).norm() / largest_load);
-    // Stiff area springs turn the rounding of positions into forces: what no step reduces any more is that.
+    // Stiff area springs turn the rounding of positions into forces: what no step reduces any more
+    // is that.
     const bool rounding = iteration > 2 && unbalanced < 1e3 * tolerance && unbalanced >= before;
     if (unbalanced < tolerance || rounding) {
       particles.position = state.particles.position;
       return unbalanced;
     }
     std::fill(acceleration.begin(), acceleration.end(), Vector<dim>::Zero());
-    std::fill(state.particles.velocity.begin(), state.particles.velocity.end(), Vector<dim>::Zero());
+    std::fill(state.particles.velocity.begin(), state.particles.velocity.end(),
+              Vector<dim>::Zero());
     solid.add_acceleration(state, acceleration);
     for (std::size_t i = 0; i < n; ++i)
       state.particles.velocity[i] = time_step * (acceleration[i] + load[i] / mass);
@@ -47,10 +52,10 @@ double find_equilibrium(sph::ElasticNetwork<dim> network, sph::Particles<dim>& p
     for (std::size_t i = 0; i < n; ++i)
       state.particles.position[i] += 0.5 * time_step * state.particles.velocity[i];
   }
-  throw std::runtime_error(
-      fmt::format("no static equilibrium: unbalanced force {:.3g} of the load after 60 Newton steps; "
-                  "the load is too large for the springs",
-                  unbalanced));
+  throw std::runtime_error(fmt::format(
+      "no static equilibrium: unbalanced force {:.3g} of the load after 60 Newton steps; "
+      "the load is too large for the springs",
+      unbalanced));
 }
 
 template double find_equilibrium<2>(sph::ElasticNetwork<2>, sph::Particles<2>&,

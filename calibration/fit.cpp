@@ -11,9 +11,11 @@ namespace sprung::calibration {
 
 namespace {
 
-/// 0.975 quantile of Student's t for 1 to 10 degrees of freedom (standard tables); 2.228 beyond is wide.
+/// 0.975 quantile of Student's t for 1 to 10 degrees of freedom (standard tables); 2.228 beyond is
+/// wide.
 double student_t(int freedom) {
-  constexpr std::array quantile{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228};
+  constexpr std::array quantile{12.706, 4.303, 3.182, 2.776, 2.571,
+                                2.447,  2.365, 2.306, 2.262, 2.228};
   return quantile[static_cast<std::size_t>(std::clamp(freedom, 1, 10) - 1)];
 }
 

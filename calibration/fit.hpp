@@ -12,8 +12,8 @@ struct Extrapolation {
   double residual = 0.0;    ///< root mean square of the residuals
 };
 
-/// Polynomial of degree `degree` through (1/layers[k], value[k]). Throws std::invalid_argument unless there are
-/// at least degree + 2 points: with fewer there is no residual to judge by.
+/// Polynomial of degree `degree` through (1/layers[k], value[k]). Throws std::invalid_argument
+/// unless there are at least degree + 2 points: with fewer there is no residual to judge by.
 Extrapolation extrapolate(std::span<const int> layers, std::span<const double> value, int degree);
 
 }  // namespace sprung::calibration

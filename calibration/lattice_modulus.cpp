@@ -18,7 +18,8 @@ std::pair<int, int> axes_of(int component) {
 }
 
 template <int dim>
-Eigen::Matrix<double, dim, dim> strain_tensor(const Eigen::Matrix<double, voigt_size<dim>, 1>& voigt) {
+Eigen::Matrix<double, dim, dim> strain_tensor(
+    const Eigen::Matrix<double, voigt_size<dim>, 1>& voigt) {
   Eigen::Matrix<double, dim, dim> tensor;
   for (int c = 0; c < voigt_size<dim>; ++c) {
     const auto [a, b] = axes_of<dim>(c);
@@ -80,7 +81,8 @@ double BulkLattice<dim>::modulus_per_stiffness(const Vector<dim>& direction) con
     pull[c] = d[a] * d[b];  // d . e . d = pull . e with the doubled shears of Voigt
     if (a == b) volume[c] = 1.0;
   }
-  // Stationary point of e C e/2 - pull . e, with volume . e = 0 where the pressure holds the volume.
+  // Stationary point of e C e/2 - pull . e, with volume . e = 0 where the pressure holds the
+  // volume.
   Eigen::Matrix<double, n, 1> strain;
   if (dim == 2 && material_.area_stiffness > 0.0) {
     strain = elastic_constants().ldlt().solve(pull);

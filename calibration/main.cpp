@@ -5,9 +5,9 @@
 #include "calibration/published.hpp"
 #include "scene/progress.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <omp.h>
+#include <CLI/CLI.hpp>
 
 #include <cmath>
 #include <numbers>
@@ -34,8 +34,8 @@ std::vector<Material> backbone() {
           {3, equal, 0.0},       {3, isotropic, 0.0}};
 }
 
-/// Measures rows of the table. A row is written as soon as it is measured, so that what was stopped goes
-/// on with --resume.
+/// Measures rows of the table. A row is written as soon as it is measured, so that what was stopped
+/// goes on with --resume.
 int measure_table(const Arguments& a) {
   std::vector<Material> materials;
   for (const double kappa : a.area_stiffness)
@@ -55,10 +55,11 @@ int measure_table(const Arguments& a) {
     Progress progress(key, 1.0);
     const BulkModulus bulk = measure_bulk(
         material, [&](double done, const std::string& remark) { progress.advance(done, remark); });
-    fmt::print("{:>22}  lambda {:.4f} +- {:.4f}, theory {:.4f} ({:+.2f} %), Poisson {:.4f}, {:.0f} s\n",
-               key, bulk.lambda, bulk.interval, theoretical_lambda(material),
-               100.0 * (bulk.lambda / theoretical_lambda(material) - 1.0), bulk.poisson_ratio,
-               bulk.seconds);
+    fmt::print(
+        "{:>22}  lambda {:.4f} +- {:.4f}, theory {:.4f} ({:+.2f} %), Poisson {:.4f}, {:.0f} s\n",
+        key, bulk.lambda, bulk.interval, theoretical_lambda(material),
+        100.0 * (bulk.lambda / theoretical_lambda(material) - 1.0), bulk.poisson_ratio,
+        bulk.seconds);
     std::fflush(stdout);
     replace_row(table, key, modulus_row(bulk));
     for (const auto& pull : bulk.pulls)
@@ -72,8 +73,8 @@ int measure_table(const Arguments& a) {
 
 /// The paper's experiment (its Fig. 4): a cube of side 0.1 m, +-0.01 MPa on two faces, ten springs.
 int sweep(const Arguments& a) {
-  constexpr double stress = 1.0e4;                            // Pa
-  constexpr double softest = 0.05e6, stiffest = 3.1e6;        // k_e, Pa
+  constexpr double stress = 1.0e4;                      // Pa
+  constexpr double softest = 0.05e6, stiffest = 3.1e6;  // k_e, Pa
   constexpr int springs = 10;
   const Material material{3, sph::Bonds::equal, 0.0};
   Sheet sheet{"k_e_pa,stress_pa," + pull_header(), {}};
@@ -86,27 +87,32 @@ int sweep(const Arguments& a) {
       pull.layers = a.layers;
       pull.load = sign * stress / k_e;
       pull.smoothing_length_ratio = 1.0;
-      sheet.rows.push_back(
-          fmt::format("{:.6g},{:.6g},{}", k_e, sign * stress, pull_row(pull_block(material, pull))));
-      progress.advance(static_cast<double>(sheet.rows.size()), fmt::format("k_e {:.3g} MPa", 1e-6 * k_e));
+      sheet.rows.push_back(fmt::format("{:.6g},{:.6g},{}", k_e, sign * stress,
+                                       pull_row(pull_block(material, pull))));
+      progress.advance(static_cast<double>(sheet.rows.size()),
+                       fmt::format("k_e {:.3g} MPa", 1e-6 * k_e));
     }
   publish(std::filesystem::path(a.out) / fmt::format("sweep_{}.csv", a.layers), sheet,
           {a.command,
-           "Cube of the paper's section 3.4: +-0.01 MPa on (n dx)^2 as a dead force on the particles of "
-           "two end layers, bonds equal, particle solver in vacuum. lambda by three gauges, stress on (n dx)^2.",
+           "Cube of the paper's section 3.4: +-0.01 MPa on (n dx)^2 as a dead force on the "
+           "particles of "
+           "two end layers, bonds equal, particle solver in vacuum. lambda by three gauges, stress "
+           "on (n dx)^2.",
            wall_seconds() - began,
            {}});
   return 0;
 }
 
-/// lambda in directions of one lattice plane spanned by `from` and the perpendicular `to`, every 5 degrees.
+/// lambda in directions of one lattice plane spanned by `from` and the perpendicular `to`, every 5
+/// degrees.
 template <int dim>
 void turn(const Material& material, const std::string& plane, const Vector<dim>& from,
           const Vector<dim>& to, Sheet& sheet) {
   const BulkLattice<dim> lattice(material);
   for (int degrees = 0; degrees < 360; degrees += 5) {
     const double angle = degrees * std::numbers::pi / 180.0;
-    const Vector<dim> direction = std::cos(angle) * from.normalized() + std::sin(angle) * to.normalized();
+    const Vector<dim> direction =
+        std::cos(angle) * from.normalized() + std::sin(angle) * to.normalized();
     sheet.rows.push_back(fmt::format("{},{},{},{:.6f}", key_of(material), plane, degrees,
                                      lattice.modulus_per_stiffness(direction)));
   }
@@ -118,17 +124,19 @@ int directions(const Arguments& a) {
   Sheet sheet{"dimension,bonds,area_stiffness,plane,angle_degrees,modulus_per_stiffness", {}};
   for (const auto bonds : {sph::Bonds::equal, sph::Bonds::isotropic}) {
     turn<2>({2, bonds, 0.0}, "xy", {1, 0}, {0, 1}, sheet);
-    turn<3>({3, bonds, 0.0}, "001", {1, 0, 0}, {0, 1, 0}, sheet);    // [100] at 0, [110] at 45
-    turn<3>({3, bonds, 0.0}, "1-10", {1, 1, 0}, {0, 0, 1}, sheet);   // [110] at 0, [111] at 35.26
+    turn<3>({3, bonds, 0.0}, "001", {1, 0, 0}, {0, 1, 0}, sheet);   // [100] at 0, [110] at 45
+    turn<3>({3, bonds, 0.0}, "1-10", {1, 1, 0}, {0, 0, 1}, sheet);  // [110] at 0, [111] at 35.26
   }
-  publish(std::filesystem::path(a.out) / "directions.csv", sheet,
-          {a.command,
-           "lambda = E/k_e for a pull along a direction at an angle to the lattice: second derivatives of the "
-           "energy that the springs of one particle in the bulk store under homogeneous strains, "
-           "strain isochoric, sides free. Angles from the first axis (xy, 001) or from [110] towards "
-           "[001] (1-10).",
-           wall_seconds() - began,
-           {}});
+  publish(
+      std::filesystem::path(a.out) / "directions.csv", sheet,
+      {a.command,
+       "lambda = E/k_e for a pull along a direction at an angle to the lattice: second derivatives "
+       "of the "
+       "energy that the springs of one particle in the bulk store under homogeneous strains, "
+       "strain isochoric, sides free. Angles from the first axis (xy, 001) or from [110] towards "
+       "[001] (1-10).",
+       wall_seconds() - began,
+       {}});
   return 0;
 }
 
@@ -144,7 +152,9 @@ int bending(const Arguments& a) {
                         {{2, sph::Bonds::isotropic, 30.0}, true, "exact"},
                         {{2, sph::Bonds::isotropic, 300.0}, true, "exact"}};
   const double began = wall_seconds();
-  Sheet sheet{"bonds,area_stiffness,surface_correction,layers,stretching,bending,frequency,law_bending", {}};
+  Sheet sheet{
+      "bonds,area_stiffness,surface_correction,layers,stretching,bending,frequency,law_bending",
+      {}};
   Progress progress("bending", 4 * 9);
   for (const Case& c : cases)
     for (const int n : {2, 3, 4, 5, 6, 7, 8, 10, 12}) {
@@ -162,11 +172,16 @@ int bending(const Arguments& a) {
     }
   publish(std::filesystem::path(a.out) / "bending.csv", sheet,
           {a.command,
-           "Plane plates aligned with the lattice, over the continuum of thickness n dx and of the table's "
-           "bulk modulus in theory. Stretching EA and bending EI: static, dead forces or couples on the end rows, "
-           "strain and curvature of the middle half, 16 n rows. Frequency: first of the plate clamped at one "
-           "end, 10 n rows, over that of the Timoshenko beam (shear coefficient 5/6). Law: 0.75 (n-1)/n for springs "
-           "alone, (n-1)(2n-1)/(2 n^2) with cells that keep their area, 1 with surface correction. One layer is a "
+           "Plane plates aligned with the lattice, over the continuum of thickness n dx and of the "
+           "table's "
+           "bulk modulus in theory. Stretching EA and bending EI: static, dead forces or couples "
+           "on the end rows, "
+           "strain and curvature of the middle half, 16 n rows. Frequency: first of the plate "
+           "clamped at one "
+           "end, 10 n rows, over that of the Timoshenko beam (shear coefficient 5/6). Law: 0.75 "
+           "(n-1)/n for springs "
+           "alone, (n-1)(2n-1)/(2 n^2) with cells that keep their area, 1 with surface correction. "
+           "One layer is a "
            "mechanism in bending and is refused.",
            wall_seconds() - began,
            {}});
@@ -177,26 +192,32 @@ int bending(const Arguments& a) {
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Measures lambda = E/k_e of the spring lattices by tests that run through the particle solver\n\n"
+      "Measures lambda = E/k_e of the spring lattices by tests that run through the particle "
+      "solver\n\n"
       "Examples:\n"
-      "  sprung-calibrate                          measure every row of the table (about 5 minutes)\n"
+      "  sprung-calibrate                          measure every row of the table (about 5 "
+      "minutes)\n"
       "  sprung-calibrate --resume                 only rows this very program has not measured\n"
       "  sprung-calibrate --area-stiffness 50      measure and add one row\n"
       "  sprung-calibrate sweep                    the paper's cube, ten spring stiffnesses\n"
       "  sprung-calibrate directions               lambda against the direction of the load\n"
       "  sprung-calibrate bending                  plates of 2 to 12 layers (about a minute)\n"
       "  sprung-calibrate --out results/calibration  leave the published table alone\n\n"
-      "Exit codes: 0 done; 1 a test did not come to rest or a file cannot be written; 2 the command "
+      "Exit codes: 0 done; 1 a test did not come to rest or a file cannot be written; 2 the "
+      "command "
       "line is not understood."};
   Arguments a;
   a.command = "sprung-calibrate";
   for (int k = 1; k < argc; ++k) a.command += std::string(" ") + argv[k];
   app.add_option("--out", a.out, "folder of the tables")->capture_default_str();
-  app.add_option("--area-stiffness", a.area_stiffness, "measure only this row of the plane, isotropic bonds")
+  app.add_option("--area-stiffness", a.area_stiffness,
+                 "measure only this row of the plane, isotropic bonds")
       ->check(CLI::Range(1.0, 1e4));
   app.add_flag("--resume", a.resume, "keep rows that this very program has measured already");
-  app.add_option("--threads", a.threads, "threads; the bits do not depend on it")->check(CLI::Range(1, 256));
-  CLI::App& cube = *app.add_subcommand("sweep", "the paper's cube under +-0.01 MPa, k_e 0.05 to 3.1 MPa");
+  app.add_option("--threads", a.threads, "threads; the bits do not depend on it")
+      ->check(CLI::Range(1, 256));
+  CLI::App& cube =
+      *app.add_subcommand("sweep", "the paper's cube under +-0.01 MPa, k_e 0.05 to 3.1 MPa");
   cube.add_option("--layers", a.layers, "particles along an edge")->check(CLI::Range(8, 60));
   app.add_subcommand("directions", "lambda against the direction of the load");
   app.add_subcommand("bending", "plates of few layers in stretching, bending and vibration");

@@ -124,15 +124,24 @@ std::string modulus_row(const BulkModulus& bulk) {
 }
 
 std::string modulus_definition() {
-  return "lambda = E/k_e for a pull along a lattice axis. Load: the same dead force on every particle of the "
-         "two end layers. Stress: total load over (n dx)^(dimension-1). Strain: change of the distance between "
-         "the centres of the end layers over (n-1) dx. Value: at 1/n = 0 of the quadratic in 1/n through "
-         "blocks of n layers along each axis. In the plane E is the modulus of the incompressible solid in "
-         "plane strain, stress/strain = 4E/3. uncertainty: half width of the fit's 95 % interval, or the "
-         "distance to the value by another gauge (between the layers n/4 from the ends; gradient in the core) "
-         "if that is larger. poisson_ratio: of the core of the largest block, as that of the isotropic solid "
-         "(in the plane r/(1+r) of the ratio r of the strains). Without area springs: particle solver in "
-         "vacuum, pressure equation with density feedback, damped to rest; with: network of springs alone.";
+  return "lambda = E/k_e for a pull along a lattice axis. Load: the same dead force on every "
+         "particle of the "
+         "two end layers. Stress: total load over (n dx)^(dimension-1). Strain: change of the "
+         "distance between "
+         "the centres of the end layers over (n-1) dx. Value: at 1/n = 0 of the quadratic in 1/n "
+         "through "
+         "blocks of n layers along each axis. In the plane E is the modulus of the incompressible "
+         "solid in "
+         "plane strain, stress/strain = 4E/3. uncertainty: half width of the fit's 95 % interval, "
+         "or the "
+         "distance to the value by another gauge (between the layers n/4 from the ends; gradient "
+         "in the core) "
+         "if that is larger. poisson_ratio: of the core of the largest block, as that of the "
+         "isotropic solid "
+         "(in the plane r/(1+r) of the ratio r of the strains). Without area springs: particle "
+         "solver in "
+         "vacuum, pressure equation with density feedback, damped to rest; with: network of "
+         "springs alone.";
 }
 
 void replace_row(Sheet& sheet, const std::string& key, const std::string& row) {
@@ -145,7 +154,8 @@ void replace_row(Sheet& sheet, const std::string& key, const std::string& row) {
 }
 
 std::string pull_header() {
-  return "dimension,bonds,area_stiffness,layers,load,strain_ends,strain_inner,core_axial,core_lateral,"
+  return "dimension,bonds,area_stiffness,layers,load,strain_ends,strain_inner,core_axial,core_"
+         "lateral,"
          "lambda_ends,lambda_inner,lambda_core,unbalanced,steps";
 }
 

@@ -14,7 +14,8 @@ struct Provenance {
   std::string command;     ///< as typed, program name without folder
   std::string definition;  ///< what load, gauge and area are
   double seconds = 0.0;    ///< wall time of the measurement
-  std::vector<std::string> measured_rows;  ///< keys of the rows of this run; others were there before
+  std::vector<std::string>
+      measured_rows;  ///< keys of the rows of this run; others were there before
 };
 
 /// Rows of text below a header, as they stand in the file.
@@ -33,7 +34,8 @@ void publish(const std::filesystem::path& file, const Sheet& sheet, const Proven
 /// "2,isotropic,300": the first three columns, by which a row is known.
 std::string key_of(const Material& material);
 
-/// Whether the manifest of the table `file` says that this very program, from a clean commit, measured the row.
+/// Whether the manifest of the table `file` says that this very program, from a clean commit,
+/// measured the row.
 bool row_is_current(const std::filesystem::path& file, const std::string& key);
 
 /// Header and row of modulus_per_stiffness.csv, the only table that other folders read.

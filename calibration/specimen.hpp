@@ -13,7 +13,7 @@ using Vector = sph::Vector<dim>;
 /// Properties of every specimen. lambda does not depend on them (tested): only on ratios to k_e.
 inline constexpr double density = 1000.0;          ///< kg/m3
 inline constexpr double spring_stiffness = 1.0e6;  ///< k_e, Pa
-inline constexpr double side = 0.1;                ///< extent along the first axis, m: the paper's cube
+inline constexpr double side = 0.1;  ///< extent along the first axis, m: the paper's cube
 
 /// A lattice material: bonds, and area springs of modulus `area_stiffness` x G where that is not 0.
 struct Material {
@@ -25,8 +25,8 @@ struct Material {
 /// Word of the scene file and of the table: "equal", "isotropic".
 const char* to_string(sph::Bonds bonds);
 
-/// `count` particles along each axis at the centres of cubes of side `spacing` (m); the block's corner is the
-/// origin. Number of a particle: first axis fastest.
+/// `count` particles along each axis at the centres of cubes of side `spacing` (m); the block's
+/// corner is the origin. Number of a particle: first axis fastest.
 template <int dim>
 sph::Particles<dim> block(const std::array<int, dim>& count, double spacing);
 

@@ -8,8 +8,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
+#include <Eigen/Dense>
 
 namespace sprung::calibration {
 
@@ -33,11 +33,11 @@ class DampedLoad final : public sph::Acceleration<dim> {
   double damping_;
 };
 
-/// Adds what the corrector's gradient leaves out at a free surface. In vacuum sph::Simulation corrects with
-/// sum V psi_j grad W, of which a particle near the surface gets only its own part: a body under uniform
-/// pressure is pushed by half of it. With sum V (psi_i + psi_j) grad W, the negative adjoint of the divergence
-/// of Eq. 3, the forces between two particles are opposite and the section carries the whole; on a full lattice
-/// nothing changes.
+/// Adds what the corrector's gradient leaves out at a free surface. In vacuum sph::Simulation
+/// corrects with sum V psi_j grad W, of which a particle near the surface gets only its own part: a
+/// body under uniform pressure is pushed by half of it. With sum V (psi_i + psi_j) grad W, the
+/// negative adjoint of the divergence of Eq. 3, the forces between two particles are opposite and
+/// the section carries the whole; on a full lattice nothing changes.
 template <int dim>
 class BalancedPressure final : public sph::Constraint<dim> {
  public:
@@ -130,7 +130,8 @@ PulledBlock pull_by_particle_solver(const Material& material, const Pull& pull) 
   const double spacing = side / pull.layers;
   auto particles = block<dim>(cube<dim>(pull.layers), spacing);
   const auto rest = particles.position;
-  auto network = network_of<dim>(particles, shape_of<dim>(cube<dim>(pull.layers), spacing), material);
+  auto network =
+      network_of<dim>(particles, shape_of<dim>(cube<dim>(pull.layers), spacing), material);
   const double wave_speed = std::sqrt(spring_stiffness / density);
 
   sph::Numerics numerics;
@@ -149,7 +150,8 @@ PulledBlock pull_by_particle_solver(const Material& material, const Pull& pull) 
   const double mass = particles.mass();
   auto load = end_forces<dim>(pull, spacing);
   for (auto& f : load) f /= mass;
-  // Half of critical for the slowest stretching mode, omega = pi c / L, c = sqrt(3 k_e/rho) or more slowly.
+  // Half of critical for the slowest stretching mode, omega = pi c / L, c = sqrt(3 k_e/rho) or more
+  // slowly.
   const double slowest = std::numbers::pi * wave_speed * std::sqrt(dim == 2 ? 2.0 : 3.0) / side;
   const double damping = 1.5 * slowest;
   sph::Simulation<dim> simulation(numerics, std::move(particles), {});
@@ -173,16 +175,17 @@ PulledBlock pull_by_particle_solver(const Material& material, const Pull& pull) 
     if (std::abs(result.strain_ends - before) < pull.tolerance * std::abs(result.strain_ends)) {
       result.steps = steps;
       double fastest = 0.0;
-      for (const auto& u : simulation.state().particles.velocity) fastest = std::max(fastest, u.norm());
+      for (const auto& u : simulation.state().particles.velocity)
+        fastest = std::max(fastest, u.norm());
       result.unbalanced = fastest * damping * mass /
                           (std::abs(pull.load) * spring_stiffness * std::pow(spacing, dim - 1));
       return result;
     }
     before = result.strain_ends;
   }
-  throw std::runtime_error(fmt::format(
-      "tensile test, {}D, {} bonds, {} layers, load {}: not at rest after {} steps", dim,
-      to_string(material.bonds), pull.layers, pull.load, 200 * window));
+  throw std::runtime_error(
+      fmt::format("tensile test, {}D, {} bonds, {} layers, load {}: not at rest after {} steps",
+                  dim, to_string(material.bonds), pull.layers, pull.load, 200 * window));
 }
 
 template <int dim>

@@ -1,16 +1,16 @@
 #pragma once
-/// A block of the material pulled along its first axis: by the whole particle solver, or by the network of
-/// springs alone.
+/// A block of the material pulled along its first axis: by the whole particle solver, or by the
+/// network of springs alone.
 
 #include "calibration/specimen.hpp"
 
 namespace sprung::calibration {
 
-/// How the block is pulled. The load is a dead force, the same on every particle of the two end layers
-/// normal to the first axis; all other faces are free.
+/// How the block is pulled. The load is a dead force, the same on every particle of the two end
+/// layers normal to the first axis; all other faces are free.
 struct Pull {
-  int layers = 20;       ///< n: particles along each axis
-  double load = 0.0;     ///< force on a particle of an end layer / (k_e dx^(dim-1)), + pulls
+  int layers = 20;          ///< n: particles along each axis
+  double load = 0.0;        ///< force on a particle of an end layer / (k_e dx^(dim-1)), + pulls
   double tolerance = 1e-6;  ///< change of strain over a decay time of the slowest mode / strain
   double smoothing_length_ratio = 1.3;  ///< h/dx of the pressure equation
 };
@@ -19,21 +19,22 @@ struct Pull {
 struct PulledBlock {
   double strain_ends = 0.0;   ///< between the centres of the end layers, whole sections
   double strain_inner = 0.0;  ///< between the layers n/4 from either end, whole sections
-  /// In the core (a quarter of the layers away from every face): least-squares gradient of displacement.
+  /// In the core (a quarter of the layers away from every face): least-squares gradient of
+  /// displacement.
   double core_axial = 0.0;
   double core_lateral = 0.0;  ///< mean of the lateral directions
   double unbalanced = 0.0;    ///< largest net force on a particle / load
   int steps = 0;
 };
 
-/// The particle solver (ACTIONs 4 to 9): springs, pressure equation with density feedback, free surfaces at
-/// zero pressure; damped until at rest. The material has no area springs: incompressibility is the pressure's.
-/// Throws std::runtime_error if it does not come to rest.
+/// The particle solver (ACTIONs 4 to 9): springs, pressure equation with density feedback, free
+/// surfaces at zero pressure; damped until at rest. The material has no area springs:
+/// incompressibility is the pressure's. Throws std::runtime_error if it does not come to rest.
 template <int dim>
 PulledBlock pull_by_particle_solver(const Material& material, const Pull& pull);
 
-/// The network of springs alone, by Newton steps of sph::ElasticSolid's implicit system; area springs, if the
-/// material has them, carry the incompressibility.
+/// The network of springs alone, by Newton steps of sph::ElasticSolid's implicit system; area
+/// springs, if the material has them, carry the incompressibility.
 template <int dim>
 PulledBlock pull_network(const Material& material, const Pull& pull);
 

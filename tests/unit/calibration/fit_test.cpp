@@ -22,7 +22,8 @@ TEST(Extrapolation, FindsTheConstantOfAPolynomial) {
 }
 
 TEST(Extrapolation, ConfidenceIntervalOfAMean) {
-  // Degree 0: mean 2, s = 1, five points: t(0.975, 4) s/sqrt(5) = 2.776/sqrt(5); sum of squares 4 over 5 points.
+  // Degree 0: mean 2, s = 1, five points: t(0.975, 4) s/sqrt(5) = 2.776/sqrt(5); sum of squares 4
+  // over 5 points.
   const std::array value{1.0, 1.0, 2.0, 3.0, 3.0};
   const auto fit = extrapolate(layers, value, 0);
   EXPECT_NEAR(fit.value, 2.0, 1e-12);

@@ -1,5 +1,5 @@
-// Lattice constants C11, C12, C44 in units of k_e against lattice sums done by hand: with bonds of stiffness w k_e
-// dx^(dim-2) along r n, C_ijkl = sum over half the bonds of w r^2 n_i n_j n_k n_l.
+// Lattice constants C11, C12, C44 in units of k_e against lattice sums done by hand: with bonds of
+// stiffness w k_e dx^(dim-2) along r n, C_ijkl = sum over half the bonds of w r^2 n_i n_j n_k n_l.
 #include "calibration/lattice_modulus.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,8 @@ using namespace sprung;
 using namespace sprung::calibration;
 using enum sph::Bonds;
 
-// Central differences of the energy with steps of 1e-4: truncation and rounding are both about 1e-8.
+// Central differences of the energy with steps of 1e-4: truncation and rounding are both about
+// 1e-8.
 constexpr double tolerance = 1e-6;
 
 struct Constants {
@@ -25,7 +26,8 @@ void expect_cubic(sph::Bonds bonds, const Constants& expected) {
   for (int a = 0; a < voigt_size<dim>; ++a)
     for (int b = 0; b < voigt_size<dim>; ++b) {
       const bool normal = a < dim && b < dim;
-      const double value = a != b ? (normal ? expected.c12 : 0.0) : (normal ? expected.c11 : expected.c44);
+      const double value =
+          a != b ? (normal ? expected.c12 : 0.0) : (normal ? expected.c11 : expected.c44);
       EXPECT_NEAR(c(a, b), value, tolerance) << a << " " << b;
     }
 }
@@ -76,14 +78,16 @@ TEST(LatticeModulus, OfIsotropicBondsDoesNot) {
     EXPECT_NEAR(plane.modulus_per_stiffness(d), 1.5, 1e-5) << d.transpose();
 }
 
-// E of the incompressible cubic crystal: 1/E = 2/(3 (C11 - C12)) (1 - 3 J) + J/C44 ..., written out for a pull along d
-// with J = d1^2 d2^2 + d2^2 d3^2 + d3^2 d1^2; the limit of Nye's formula for infinite bulk modulus.
+// E of the incompressible cubic crystal: 1/E = 2/(3 (C11 - C12)) (1 - 3 J) + J/C44 ..., written out
+// for a pull along d with J = d1^2 d2^2 + d2^2 d3^2 + d3^2 d1^2; the limit of Nye's formula for
+// infinite bulk modulus.
 TEST(LatticeModulus, FollowsTheClosedFormOfTheCubicCrystal) {
   const BulkLattice<3> lattice({3, equal, 0.0});
   const double c_prime = 0.5 * (13.0 / 3.0 - 7.0 / 3.0), c44 = 7.0 / 3.0;
   for (const Vector<3>& direction : {Vector<3>{1, 2, 0}, {1, 2, 3}, {-2, 1, 5}, {1, 1, 4}}) {
     const Vector<3> d = direction.normalized();
-    const double j = d[0] * d[0] * d[1] * d[1] + d[1] * d[1] * d[2] * d[2] + d[2] * d[2] * d[0] * d[0];
+    const double j =
+        d[0] * d[0] * d[1] * d[1] + d[1] * d[1] * d[2] * d[2] + d[2] * d[2] * d[0] * d[0];
     const double compliance = 1.0 / (3.0 * c_prime) - j * (1.0 / c_prime - 1.0 / c44);
     EXPECT_NEAR(lattice.modulus_per_stiffness(d), 1.0 / compliance, 1e-5) << direction.transpose();
   }

@@ -19,7 +19,8 @@ const std::filesystem::path folder = SPRUNG_CALIBRATION_FOLDER;
 
 class Temporary {
  public:
-  Temporary() : place_(std::filesystem::temp_directory_path() / ("sprung_calibration_" + unique())) {
+  Temporary()
+      : place_(std::filesystem::temp_directory_path() / ("sprung_calibration_" + unique())) {
     std::filesystem::create_directories(place_);
   }
   ~Temporary() { std::filesystem::remove_all(place_); }
@@ -28,16 +29,22 @@ class Temporary {
  private:
   static std::string unique() {
     return std::to_string(::testing::UnitTest::GetInstance()->random_seed()) +
-           ::testing::UnitTest::GetInstance()->current_test_info()->name() + std::to_string(getpid());
+           ::testing::UnitTest::GetInstance()->current_test_info()->name() +
+           std::to_string(getpid());
   }
   std::filesystem::path place_;
 };
 
 TEST(PublishedTable, HoldsTheRowsThatThePresetsNeedWithinHalfAPerCentOfTheory) {
   const sph::ModulusTable table(folder / "modulus_per_stiffness.csv");
-  for (const Material& m :
-       {Material{2, equal, 0.0}, {2, isotropic, 0.0}, {2, isotropic, 30.0}, {2, isotropic, 100.0},
-        {2, isotropic, 300.0}, {2, isotropic, 1000.0}, {3, equal, 0.0}, {3, isotropic, 0.0}}) {
+  for (const Material& m : {Material{2, equal, 0.0},
+                            {2, isotropic, 0.0},
+                            {2, isotropic, 30.0},
+                            {2, isotropic, 100.0},
+                            {2, isotropic, 300.0},
+                            {2, isotropic, 1000.0},
+                            {3, equal, 0.0},
+                            {3, isotropic, 0.0}}) {
     const double measured = table.modulus_per_stiffness(m.dimension, m.bonds, m.area_stiffness);
     EXPECT_NEAR(measured / theoretical_lambda(m), 1.0, 5e-3) << key_of(m);
   }
@@ -55,7 +62,8 @@ TEST(PublishedTable, EveryRowHasItsManifest) {
         found = true;
         EXPECT_EQ(run.at("clean"), "yes") << key;
         EXPECT_EQ(run.at("commit").get<std::string>().size(), 40u) << key;
-        for (const char* what : {"command", "date_utc", "compiler"}) EXPECT_TRUE(run.contains(what));
+        for (const char* what : {"command", "date_utc", "compiler"})
+          EXPECT_TRUE(run.contains(what));
       }
     EXPECT_TRUE(found) << row;
   }

@@ -51,12 +51,14 @@ TEST(PulledBlock, PushedAndPulledAgreeForSmallLoads) {
   push.load = -1e-4;
   const Material material{2, isotropic, 30.0};
   // The quadratic term is of the order of the strain, 5e-5.
-  EXPECT_NEAR(pull_network<2>(material, pull).strain_ends / pull_network<2>(material, push).strain_ends,
-              -1.0, 1e-3);
+  EXPECT_NEAR(
+      pull_network<2>(material, pull).strain_ends / pull_network<2>(material, push).strain_ends,
+      -1.0, 1e-3);
 }
 
 TEST(Equilibrium, StretchesAChainByForceOverStiffness) {
-  // Two rows of n particles: per period two bonds along and one square of diagonals; here only the resultant counts.
+  // Two rows of n particles: per period two bonds along and one square of diagonals; here only the
+  // resultant counts.
   const std::array<int, 2> count{6, 2};
   auto particles = block<2>(count, 1e-3);
   const auto network = network_of<2>(particles, shape_of<2>(count, 1e-3), {2, equal, 0.0});

@@ -1,4 +1,5 @@
-// Bulk values of lambda = E/k_e by the particle solver in vacuum: springs, pressure equation, density feedback.
+// Bulk values of lambda = E/k_e by the particle solver in vacuum: springs, pressure equation,
+// density feedback.
 #include "calibration/bulk_modulus.hpp"
 
 #include <gtest/gtest.h>
@@ -9,7 +10,8 @@ using namespace sprung;
 using namespace sprung::calibration;
 using enum sph::Bonds;
 
-double extrapolated(const Material& material, const std::vector<int>& sizes, double smoothing_length_ratio) {
+double extrapolated(const Material& material, const std::vector<int>& sizes,
+                    double smoothing_length_ratio) {
   std::vector<double> value;
   for (const int n : sizes) {
     Pull pull;
@@ -21,7 +23,8 @@ double extrapolated(const Material& material, const std::vector<int>& sizes, dou
   return extrapolate(sizes, value, 2).value;
 }
 
-// 1 %: other gauges, extrapolated from blocks of up to 40 layers, differ by 0.6 % (table), these blocks are smaller.
+// 1 %: other gauges, extrapolated from blocks of up to 40 layers, differ by 0.6 % (table), these
+// blocks are smaller.
 TEST(BulkModulus, InSpaceIsThreeAlongAnAxisForBothLattices) {
   const std::vector<int> sizes{12, 16, 20, 28};
   EXPECT_NEAR(extrapolated({3, equal, 0.0}, sizes, 1.0), 3.0, 0.03);
