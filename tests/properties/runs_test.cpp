@@ -122,9 +122,9 @@ ChannelScene dyadic() {
   return scene;
 }
 
-// Sums run in another order and the coarse cells of the pressure solver lie otherwise, so equality holds up
-// to round-off as it grows over the 15 steps, and up to the solver's tolerance, set to 1e-13 here. An
-// error in one wall or clamp would show at the size of the displacement itself.
+// Sums run in another order and the coarse cells of the pressure solver lie otherwise, so equality
+// holds up to round-off as it grows over the 15 steps, and up to the solver's tolerance, set to
+// 1e-13 here. An error in one wall or clamp would show at the size of the displacement itself.
 TEST(Mirror, ABeamOnTheUpperWallMovesAsOneOnTheLower) {
   const TemporaryFolder folder;
   ChannelScene scene = dyadic();
@@ -136,7 +136,8 @@ TEST(Mirror, ABeamOnTheUpperWallMovesAsOneOnTheLower) {
   const double tolerance = 1e-7;
   for (const auto& [probe, quantity] : {std::pair{"tip", "displacement"}, {"force", "force"}}) {
     const std::string name = quantity;
-    const auto x = below.series(probe).column(name + "_x"), y = below.series(probe).column(name + "_y");
+    const auto x = below.series(probe).column(name + "_x"),
+               y = below.series(probe).column(name + "_y");
     const auto mirrored_x = above.series(probe).column(name + "_x");
     const auto mirrored_y = above.series(probe).column(name + "_y");
     ASSERT_EQ(x.size(), mirrored_x.size());
@@ -155,15 +156,15 @@ TEST(Mirror, ABeamOnTheUpperWallMovesAsOneOnTheLower) {
     EXPECT_NEAR(u[k], mirrored[u.size() - 1 - k], tolerance * scene.mean_velocity);
 }
 
-// Lengths x 4, times x 2, masses (per volume) x 8: every number of the run is multiplied by a power of two,
-// which rounds nothing, so the results are the same to the last bit. Velocity x 2, viscosity x 64 and
-// modulus x 32 (rho L^2/T and rho L^2/T^2).
+// Lengths x 4, times x 2, masses (per volume) x 8: every number of the run is multiplied by a power
+// of two, which rounds nothing, so the results are the same to the last bit. Velocity x 2,
+// viscosity x 64 and modulus x 32 (rho L^2/T and rho L^2/T^2).
 TEST(Units, PowersOfTwoChangeNoBit) {
   const TemporaryFolder folder;
   const ChannelScene scene = dyadic();
   ChannelScene scaled = scene;
-  for (double* length : {&scaled.spacing, &scaled.length, &scaled.height, &scaled.y_low, &scaled.beam_x,
-                         &scaled.beam_width, &scaled.beam_height, &scaled.probe_x})
+  for (double* length : {&scaled.spacing, &scaled.length, &scaled.height, &scaled.y_low,
+                         &scaled.beam_x, &scaled.beam_width, &scaled.beam_height, &scaled.probe_x})
     *length *= 4.0;
   scaled.density *= 8.0;
   scaled.viscosity *= 64.0;

@@ -45,10 +45,11 @@ void expect_finite_record(const std::filesystem::path& out) {
   }
 }
 
-// The scheme as printed grows every spring mode by sqrt(1 + z^2/2) a step; viscosity outweighs that only for
-// steps below 2 mu/C44 = 4.3e-6 s (C44 = k_e = E/1.5; method.md section 2: "a run at 3e-5 s blew up"). At
-// 2e-5 s the fastest mode, z = 2 . 2e-5/1.23e-4, grows by about z^2/4 (1 - 0.2) = 0.02 a step, so that
-// rounding needs a thousand steps or two; the cut-out of the channel keeps the test short.
+// The scheme as printed grows every spring mode by sqrt(1 + z^2/2) a step; viscosity outweighs that
+// only for steps below 2 mu/C44 = 4.3e-6 s (C44 = k_e = E/1.5; method.md section 2: "a run at 3e-5
+// s blew up"). At 2e-5 s the fastest mode, z = 2 . 2e-5/1.23e-4, grows by about z^2/4 (1 - 0.2) =
+// 0.02 a step, so that rounding needs a thousand steps or two; the cut-out of the channel keeps the
+// test short.
 ChannelScene printed_cut_out() {
   ChannelScene scene;
   scene.preset = "paper";
@@ -76,7 +77,8 @@ TEST(Stability, ThePrintedIntegratorBlowsUpAndTheRunStopsItself) {
   EXPECT_LT(record.series("tip").column("time").back(), 0.04);
 }
 
-// The same in all else, moved with the new velocity: neutral for z < 2, so this step is a sixth of the limit.
+// The same in all else, moved with the new velocity: neutral for z < 2, so this step is a sixth of
+// the limit.
 TEST(Stability, TheNewVelocityUpdateHoldsAtTheSameStep) {
   const TemporaryFolder folder;
   ChannelScene scene = printed_cut_out();
@@ -86,8 +88,8 @@ TEST(Stability, TheNewVelocityUpdateHoldsAtTheSameStep) {
   expect_finite_record(folder.path() / "out");
 }
 
-// Implicit springs set no limit: steps of 2 and 3 ms, 16 to 25 times what explicit springs allow here.
-// (0.8 x 0.7071 dx sqrt(rho/k_e) = 0.13 ms.)
+// Implicit springs set no limit: steps of 2 and 3 ms, 16 to 25 times what explicit springs allow
+// here. (0.8 x 0.7071 dx sqrt(rho/k_e) = 0.13 ms.)
 TEST(Stability, RecommendedStaysStableAtLargeSteps) {
   std::array<double, 2> tip{};
   int k = 0;
@@ -112,8 +114,8 @@ TEST(Stability, RecommendedStaysStableAtLargeSteps) {
     EXPECT_LT(record.series("ledger_solid").column("max_stretch").back(), 1.1);
     EXPECT_EQ(record.series("ledger_mass").column("lost").back(), 0.0);
   }
-  // Not only stable: steps of 2 and 3 ms agree within the 4 % that three starting disorders differ by
-  // (method.md section 4: 1 to 3 %).
+  // Not only stable: steps of 2 and 3 ms agree within the 4 % that three starting disorders differ
+  // by (method.md section 4: 1 to 3 %).
   EXPECT_NEAR(tip[1] / tip[0], 1.0, 0.04);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// The beam scene of the tests: coarse, short, of dyadic size where asked, and changed by the tests.
+/// The beam scene of the tests: coarse, short, of dyadic size where asked, and changed by the
+/// tests.
 
 #include "sph/scene_setup.hpp"
 
@@ -33,7 +34,8 @@ struct ChannelScene {
     std::string toml = fmt::format(
         "title = \"Beam\"\nsource = \"a test\"\n"
         "[domain]\nchannel = {{ from = [\"0 m\", \"{} m\"], to = [\"{} m\", \"{} m\"] }}\n"
-        "[time]\nend = \"{} s\"\n[fluid]\ndensity = \"{} kg/m3\"\n[viscosity]\ndynamic = \"{} Pa s\"\n"
+        "[time]\nend = \"{} s\"\n[fluid]\ndensity = \"{} kg/m3\"\n[viscosity]\ndynamic = \"{} Pa "
+        "s\"\n"
         "[walls]\n{} = [\"bottom\", \"top\"]\n"
         "[inflow]\nside = \"left\"\nprofile = \"{}\"\nmean_velocity = \"{} m/s\"\nramp = \"{} s\"\n"
         "[outflow]\nside = \"right\"\npressure = \"0 Pa\"\n",
@@ -44,13 +46,15 @@ struct ChannelScene {
       toml += fmt::format(
           "[solid.beam]\nbody = {{ from = [\"{} m\", \"{} m\"], to = [\"{} m\", \"{} m\"] }}\n"
           "youngs_modulus = \"{} Pa\"\nclamped = \"{}\"\n"
-          "[probes.tip]\ndisplacement_of = [\"{} m\", \"{} m\"]\n[probes.force]\nforce_on = \"beam\"\n"
+          "[probes.tip]\ndisplacement_of = [\"{} m\", \"{} m\"]\n[probes.force]\nforce_on = "
+          "\"beam\"\n"
           "[probes.outline]\noutline_of = \"beam\"\npoints = 21\ntimes = [{}]\n",
           beam_x, from, beam_x + beam_width, from + beam_height, youngs_modulus,
           beam_on_top ? "top" : "bottom", beam_x + 0.5 * beam_width, tip, probe_times);
     }
     toml += fmt::format(
-        "[probes.profile]\nvelocity_along = {{ from = [\"{0} m\", \"{1} m\"], to = [\"{0} m\", \"{2} m\"], "
+        "[probes.profile]\nvelocity_along = {{ from = [\"{0} m\", \"{1} m\"], to = [\"{0} m\", "
+        "\"{2} m\"], "
         "points = 31 }}\ntimes = [{3}]\n"
         "[numerics]\npreset = \"{4}\"\n{5}\n[sph]\nspacing = \"{6} m\"\n{7}\n",
         probe_x, y_low, y_high, probe_times, preset, numerics, spacing, sph);
@@ -59,8 +63,9 @@ struct ChannelScene {
   Document document() const { return Document::from_text(text(), "beam.toml"); }
 };
 
-/// lambda = E/k_e of the plane lattices in closed form (plane strain, incompressible): 3/2; with area
-/// springs of kappa G, E = 3G (2 + kappa)/(3 + kappa), G = k_e/2. Written to `file` and read back.
+/// lambda = E/k_e of the plane lattices in closed form (plane strain, incompressible): 3/2; with
+/// area springs of kappa G, E = 3G (2 + kappa)/(3 + kappa), G = k_e/2. Written to `file` and read
+/// back.
 inline ModulusTable plane_modulus_table(const std::filesystem::path& file) {
   std::ofstream out(file);
   out << "dimension,bonds,area_stiffness,modulus_per_stiffness\n"

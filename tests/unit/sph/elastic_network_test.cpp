@@ -3,8 +3,8 @@
 
 #include "tests/unit/sph/particle_blocks.hpp"
 
-#include <Eigen/Dense>
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include <numbers>
 
@@ -80,8 +80,8 @@ TEST(ElasticNetwork, ForcesAreTheEnergysGradientInSpace) {
         disturbed(particles, 0.1));
 }
 
-// Fig. 2: 8 neighbours in the plane; 26 in space, 18 for the isotropic lattice (method.md section 1).
-// A block of a x b (x c) has (a-1) b bonds along x, and so on; each pair once.
+// Fig. 2: 8 neighbours in the plane; 26 in space, 18 for the isotropic lattice (method.md section
+// 1). A block of a x b (x c) has (a-1) b bonds along x, and so on; each pair once.
 TEST(ElasticNetwork, BondsOfEachShell) {
   const auto plane = block<2>({5, 7});
   const auto network = test::network_of<2>(plane, {5, 7}, bonds_only(Bonds::equal), k_e);
@@ -102,7 +102,8 @@ TEST(ElasticNetwork, BondsOfEachShell) {
   }
 }
 
-// method.md section 1, table of lattice constants; half the bonds' weight on the diagonals halves C44.
+// method.md section 1, table of lattice constants; half the bonds' weight on the diagonals halves
+// C44.
 TEST(ElasticNetwork, ShearStiffnessAlongTheAxes) {
   EXPECT_NEAR(shear_stiffness<2>(k_e, Bonds::equal), k_e, 1e-9);
   EXPECT_NEAR(shear_stiffness<2>(k_e, Bonds::isotropic), 0.5 * k_e, 1e-9);
@@ -125,8 +126,8 @@ TEST(ElasticNetwork, GhostsStandOneRowBeyondTheClamp) {
   EXPECT_EQ(to_ghosts, 4 + 2 * 3);  // straight and oblique
 }
 
-/// Energy of ten spacings in the middle of a plate of `layers` under `displacement`(x, y from the middle):
-/// the difference of two plates, which leaves the ends out.
+/// Energy of ten spacings in the middle of a plate of `layers` under `displacement`(x, y from the
+/// middle): the difference of two plates, which leaves the ends out.
 template <typename Displacement>
 double energy_of_ten_spacings(int layers, const Numerics& numerics, Displacement displacement) {
   std::array<double, 2> energy{};
@@ -142,10 +143,11 @@ double energy_of_ten_spacings(int layers, const Numerics& numerics, Displacement
   return energy[1] - energy[0];
 }
 
-// Isochoric strains of the isotropic lattice: the bonds along the axes store (strain_xx - strain_yy)^2 k_e/4
-// per area, the diagonals strain_xy^2 k_e, in all 2 G strain:strain/2 with G = k_e/2. The surface correction
-// makes the bonds a quadrature rule over the true body, so a plate has exactly the continuum's energy;
-// without it bonds are missing at the faces (1/(2n) of those along x: half a row of n).
+// Isochoric strains of the isotropic lattice: the bonds along the axes store (strain_xx -
+// strain_yy)^2 k_e/4 per area, the diagonals strain_xy^2 k_e, in all 2 G strain:strain/2 with G =
+// k_e/2. The surface correction makes the bonds a quadrature rule over the true body, so a plate
+// has exactly the continuum's energy; without it bonds are missing at the faces (1/(2n) of those
+// along x: half a row of n).
 TEST(ElasticNetwork, SurfaceCorrectionStretchesAndShearsAPlateAsTheContinuum) {
   Numerics numerics = test::preset("recommended");
   numerics.area_stiffness = 0.0;
@@ -157,7 +159,8 @@ TEST(ElasticNetwork, SurfaceCorrectionStretchesAndShearsAPlateAsTheContinuum) {
       };
       const double continuum = k_e * small * small * (xx * xx + xy * xy) * layers * 10 * dx * dx;
       numerics.surface_correction = true;
-      // Strains of 1e-6 leave terms of relative size 1e-6; the weights meet their sum to better than 1e-6.
+      // Strains of 1e-6 leave terms of relative size 1e-6; the weights meet their sum to better
+      // than 1e-6.
       EXPECT_NEAR(energy_of_ten_spacings(layers, numerics, strain) / continuum, 1.0, 1e-5)
           << layers << " layers " << xx << ' ' << xy;
       numerics.surface_correction = false;
@@ -166,7 +169,8 @@ TEST(ElasticNetwork, SurfaceCorrectionStretchesAndShearsAPlateAsTheContinuum) {
 }
 
 // Pure bending with the section free to narrow, u = -c x y, v = c (x^2 + y^2)/2: strain_xx = -c y,
-// strain_yy = c y, no shear, so that the bonds along the axes alone store energy, k_e c^2 y^2 per area.
+// strain_yy = c y, no shear, so that the bonds along the axes alone store energy, k_e c^2 y^2 per
+// area.
 TEST(ElasticNetwork, SurfaceCorrectionBendsAPlateAsTheContinuum) {
   Numerics numerics = test::preset("recommended");
   numerics.area_stiffness = 0.0;
@@ -255,15 +259,20 @@ TEST(ElasticNetwork, RefusesASingleParticle) {
                std::invalid_argument);
 }
 
-// Highest lattice frequency, at the wave vector (pi/dx, 0[, 0]), from bonds k (e . e_x)^2 4 sin^2(..):
+// Highest lattice frequency, at the wave vector (pi/dx, 0[, 0]), from bonds k (e . e_x)^2 4
+// sin^2(..):
 //   plane, equal:      4 (1 + 1/2 + 1/2) k_e = 8       -> 2/omega = 0.7071 dx sqrt(rho/k_e)
 //   space, equal:      4 (1 + 4/2 + 4/3) k_e = 52/3    -> omega = 4.163 sqrt(k_e/rho)/dx
 //   space, isotropic:  4 (1 + 4/2) k_e = 12            -> omega = 3.464 sqrt(k_e/rho)/dx
 //   plane, isotropic with area springs: 4 (3 + kappa) G, G = k_e/2 (method.md section 1)
-// A free block of n layers lies below it by about (pi/2n)^2/2: its highest mode has room for half a wave
-// less. The power iteration, too, comes from below.
-double unit(const Particles<2>& p) { return std::sqrt(k_e / p.density) / dx; }
-double unit(const Particles<3>& p) { return std::sqrt(k_e / p.density) / dx; }
+// A free block of n layers lies below it by about (pi/2n)^2/2: its highest mode has room for half a
+// wave less. The power iteration, too, comes from below.
+double unit(const Particles<2>& p) {
+  return std::sqrt(k_e / p.density) / dx;
+}
+double unit(const Particles<3>& p) {
+  return std::sqrt(k_e / p.density) / dx;
+}
 
 TEST(HighestFrequency, OfTheLatticesInThePlane) {
   const auto particles = block<2>({30, 30});
@@ -314,8 +323,8 @@ TEST(HighestFrequency, IsTheEigenvalueOfASmallClampedBlock) {
   const Eigen::MatrixXd symmetric = 0.5 * (stiffness + stiffness.transpose());
   const double largest =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric).eigenvalues().maxCoeff();
-  EXPECT_NEAR(highest_frequency(network, particles.mass()) /
-                  std::sqrt(largest / particles.mass()), 1.0, 1e-4);
+  EXPECT_NEAR(highest_frequency(network, particles.mass()) / std::sqrt(largest / particles.mass()),
+              1.0, 1e-4);
 }
 
 }  // namespace

@@ -17,10 +17,11 @@ constexpr double g = 0.5, a = 0.1;
 constexpr double dx = 0.1;
 constexpr double stiffness = 2.0e3;  // N/m
 
-/// One node tied to a ghost along x: a linear oscillator of frequency sqrt(k/m), whatever the amplitude.
+/// One node tied to a ghost along x: a linear oscillator of frequency sqrt(k/m), whatever the
+/// amplitude.
 struct Oscillator {
-  State<2> state{test::particles_at<2>({{1.0, 0.0}}, dx, Role::solid), Images<2>({}), {},
-                 Kernel<2>(dx), {}};
+  State<2> state{
+      test::particles_at<2>({{1.0, 0.0}}, dx, Role::solid), Images<2>({}), {}, Kernel<2>(dx), {}};
   double frequency = std::sqrt(stiffness / state.particles.mass());
   ElasticSolid<2> solid;
 
@@ -72,8 +73,8 @@ TEST(ImplicitSprings, OneModeFollowsTheDerivedRecurrence) {
     const auto x = four_steps(oscillator, z / oscillator.frequency, true);
     const auto [trace, determinant] = trace_and_determinant(x);
     const double filtered = z * z / (1.0 + g * z * z);
-    // Positions of size 1 hold a displacement of 0.01 to 1e-14; dividing by differences of the order of
-    // Z costs up to 1/Z more.
+    // Positions of size 1 hold a displacement of 0.01 to 1e-14; dividing by differences of the
+    // order of Z costs up to 1/Z more.
     EXPECT_NEAR(trace, 2.0 - (1.0 + a) * filtered, 1e-10 / filtered) << z;
     EXPECT_NEAR(determinant, 1.0 - a * filtered, 1e-10 / filtered) << z;
   }
@@ -83,8 +84,8 @@ TEST(ImplicitSprings, DampingRatioAndItsLimit) {
   // Amplitude per step: sqrt(1 - a Z). Small z: damping ratio a w dt/2, next term of order z^2.
   Oscillator slow(SpringIntegration::implicit_force);
   const double z = 0.1;
-  const auto [trace, determinant] = trace_and_determinant(
-      four_steps(slow, z / slow.frequency, true));
+  const auto [trace, determinant] =
+      trace_and_determinant(four_steps(slow, z / slow.frequency, true));
   const double modulus = std::sqrt(determinant);
   const double angle = std::acos(0.5 * trace / modulus);
   EXPECT_NEAR(-std::log(modulus) / angle, 0.5 * a * z, 0.01 * 0.5 * a * z);
@@ -106,10 +107,12 @@ TEST(ImplicitSprings, CarryALastingLoadExactlyWhateverTheStep) {
     EXPECT_NEAR(oscillator.displacement(), rest, 1e-12) << z;
     // What load() says is what was applied.
     EXPECT_NEAR(oscillator.solid.load(oscillator.state)[0][0],
-                load[0][0] / oscillator.state.particles.mass(), 1e-9) << z;
+                load[0][0] / oscillator.state.particles.mass(), 1e-9)
+        << z;
   }
   for (const double z : {1.0, 10.0, 1000.0}) {
-    // From the unloaded place: amplitudes fall by sqrt(1 - a Z) a step, (14/15)^300 = 1e-9 for z = 1.
+    // From the unloaded place: amplitudes fall by sqrt(1 - a Z) a step, (14/15)^300 = 1e-9 for z
+    // = 1.
     Oscillator oscillator(SpringIntegration::implicit_force);
     for (int k = 0; k < 600; ++k)
       step(oscillator.solid, oscillator.state, z / oscillator.frequency, load, true);
@@ -121,15 +124,18 @@ TEST(ImplicitSprings, ABentBodyRestsWhereForcesBalance) {
   const std::array<int, 2> count{4, 10};
   const double k_e = 3e4;
   std::array<Vector<2>, 2> tip;
-  // First bending frequency about 3 rad/s here: z = 2 and 8, and 1000 steps damp it by 1e-20. Each step is
-  // linearised, so the load is one that turns the beam by a few thousandths.
+  // First bending frequency about 3 rad/s here: z = 2 and 8, and 1000 steps damp it by 1e-20. Each
+  // step is linearised, so the load is one that turns the beam by a few thousandths.
   for (const int k : {0, 1}) {
     const double dt = k == 0 ? 0.6 : 2.4;
     State<2> state{test::particles_at<2>(test::lattice<2>(count, dx), dx, Role::solid),
-                   Images<2>({}), {}, Kernel<2>(dx), {}};
-    ElasticSolid<2> solid(test::network_of<2>(state.particles, count, test::preset("recommended"),
-                                              k_e, Side::bottom),
-                          state.particles, SpringIntegration::implicit_force);
+                   Images<2>({}),
+                   {},
+                   Kernel<2>(dx),
+                   {}};
+    ElasticSolid<2> solid(
+        test::network_of<2>(state.particles, count, test::preset("recommended"), k_e, Side::bottom),
+        state.particles, SpringIntegration::implicit_force);
     std::vector<Vector<2>> load(40, Vector<2>::Zero());
     for (std::size_t i = 36; i < 40; ++i) load[i] = {0.4, 0.1};
     for (int n = 0; n < 1000; ++n) step(solid, state, dt, load, true);
@@ -177,7 +183,8 @@ std::pair<double, double> measured(PositionUpdate update, double z) {
 }
 
 // ACTION 8 with the mean velocity: s' = s - z^2 x, x' = x + (s + s')/2 = (1 - z^2/2) x + s. Trace
-// 2 - z^2/2, determinant 1 + z^2/2: a complex pair of modulus sqrt(1 + z^2/2) (method.md section 2).
+// 2 - z^2/2, determinant 1 + z^2/2: a complex pair of modulus sqrt(1 + z^2/2) (method.md section
+// 2).
 TEST(ExplicitSprings, MeanVelocityUpdateGrows) {
   for (const double z : {0.1, 0.5, 1.0}) {
     const auto [trace, determinant] = measured(PositionUpdate::mean_velocity, z);
@@ -214,10 +221,13 @@ TEST(ExplicitSprings, ABlockIsStableBelowTwoOverItsHighestFrequency) {
   const std::array<int, 2> count{5, 6};
   for (const auto& [factor, steps] : {std::pair{0.99, 2000}, {1.02, 60}}) {
     State<2> state{test::particles_at<2>(test::lattice<2>(count, dx), dx, Role::solid),
-                   Images<2>({}), {}, Kernel<2>(dx), {}};
-    ElasticSolid<2> solid(test::network_of<2>(state.particles, count, test::preset("paper"), 3e4,
-                                              Side::bottom),
-                          state.particles, SpringIntegration::explicit_force);
+                   Images<2>({}),
+                   {},
+                   Kernel<2>(dx),
+                   {}};
+    ElasticSolid<2> solid(
+        test::network_of<2>(state.particles, count, test::preset("paper"), 3e4, Side::bottom),
+        state.particles, SpringIntegration::explicit_force);
     const double limit = 2.0 / highest_frequency(solid.network(), state.particles.mass());
     EXPECT_NEAR(solid.largest_time_step(state), 0.8 * limit, 1e-12 * limit);
     const double small = 1e-7 * dx;
@@ -227,10 +237,10 @@ TEST(ExplicitSprings, ABlockIsStableBelowTwoOverItsHighestFrequency) {
     double largest = 0.0;
     for (int n = 0; n < steps; ++n) step(solid, state, factor * limit, none, false);
     for (std::size_t i = 0; i < 30; ++i)
-      largest = std::max(largest,
-                         (state.particles.position[i] - solid.network().reference[i]).norm());
-    // Below: each of 60 modes by 1/sqrt(1 - 0.99^2) = 7.1 at most, and their sum by its root. Above:
-    // the highest mode grows by 1.49 a step, 2e10 in 60 steps.
+      largest =
+          std::max(largest, (state.particles.position[i] - solid.network().reference[i]).norm());
+    // Below: each of 60 modes by 1/sqrt(1 - 0.99^2) = 7.1 at most, and their sum by its root.
+    // Above: the highest mode grows by 1.49 a step, 2e10 in 60 steps.
     if (factor < 1.0) {
       EXPECT_LT(largest, 7.1 * std::sqrt(60.0) * small);
     } else {

@@ -83,8 +83,8 @@ TEST(Kernel, NormalisedGradientIsExactForLinearFieldsOnTheLattice) {
 }
 
 TEST(Kernel, LatticePartitionTendsToOne) {
-  // The lattice sum of a kernel of unit integral tends to 1 as the support grows; for Wendland C2 the
-  // error falls faster than (dx/h)^3, so 1e-4 at h = 4 dx is safe and 2e-2 at h = dx expected.
+  // The lattice sum of a kernel of unit integral tends to 1 as the support grows; for Wendland C2
+  // the error falls faster than (dx/h)^3, so 1e-4 at h = 4 dx is safe and 2e-2 at h = dx expected.
   const double dx = 1.0;
   EXPECT_NEAR(lattice_sums(Kernel<2>(4.0 * dx), dx).partition, 1.0, 1e-4);
   EXPECT_NEAR(lattice_sums(Kernel<3>(4.0 * dx), dx).partition, 1.0, 1e-4);

@@ -53,7 +53,8 @@ TEST(InflowSide, PointsInwardsOnEverySide) {
 }
 
 TEST(InflowSide, FillsTheColumnsThatTheSupportReaches) {
-  // Reach 2.6 dx: three columns; exactly 2 dx (the paper's 2h at h = dx): two, and no third by rounding.
+  // Reach 2.6 dx: three columns; exactly 2 dx (the paper's 2h at h = dx): two, and no third by
+  // rounding.
   for (const auto& [reach, columns] : {std::pair{0.026, 3u}, {2.0 * 0.01, 2u}, {0.0201, 3u}}) {
     Particles<2> particles = test::particles_at<2>({{0.1, 0.1}}, 0.01);
     const InflowSide<2> side(eq_6(), box(0.9, 0.3), 0.01, reach);
@@ -116,9 +117,9 @@ TEST(OutflowSide, ExchangesRolesAndKeepsBooks) {
 }
 
 TEST(OutflowSide, ColumnsMoveAsTheMirroredInterior) {
-  // A field even about the side, u = 1 + (x - 0.9)^2: the columns must have about the value at their own
-  // place. The kernel average of a parabola is high by half the kernel's second moment times its second
-  // derivative, about 0.2 h^2 u''; 1.3e-4 here.
+  // A field even about the side, u = 1 + (x - 0.9)^2: the columns must have about the value at
+  // their own place. The kernel average of a parabola is high by half the kernel's second moment
+  // times its second derivative, about 0.2 h^2 u''; 1.3e-4 here.
   const double dx = 0.01;
   std::vector<Vector<2>> points;
   for (auto x : test::lattice<2>({20, 30}, dx)) points.push_back(x + Vector<2>(0.7, 0.0));
@@ -159,8 +160,8 @@ Simulation<dim> plug(const Numerics& numerics, double speed, double dt) {
   return simulation;
 }
 
-// A uniform stream has no divergence, no pressure and no reason to change: the lattice goes in at one
-// end and out at the other. 80 steps of 0.137 dx: eleven columns enter and eleven leave.
+// A uniform stream has no divergence, no pressure and no reason to change: the lattice goes in at
+// one end and out at the other. 80 steps of 0.137 dx: eleven columns enter and eleven leave.
 template <int dim>
 void expect_undisturbed(const Numerics& numerics) {
   const double dx = 0.1, speed = 0.7, dt = 0.137 * dx / speed;
@@ -173,7 +174,8 @@ void expect_undisturbed(const Numerics& numerics) {
   }
   const double travelled = 80 * 0.137 * dx;
   for (std::size_t i = 0; i < particles.size(); ++i) {
-    // Round-off grows by some ulp a step; the pressure's tolerance does not matter, its source is zero.
+    // Round-off grows by some ulp a step; the pressure's tolerance does not matter, its source is
+    // zero.
     ASSERT_NEAR((particles.velocity[i] - speed * Vector<dim>::Unit(0)).norm(), 0.0, 1e-9 * speed);
     for (int d = 0; d < dim; ++d) {
       const double site = (particles.position[i][d] - (d == 0 ? travelled : 0.0)) / dx - 0.5;
@@ -193,8 +195,9 @@ TEST(OpenSides, AUniformStreamPassesUndisturbed) {
   expect_undisturbed<3>(test::preset("recommended"));
 }
 
-// As printed h = dx: four lattice neighbours lie at exactly 2h, where the kernel vanishes but the sum of
-// the shifting does not; rounding decides which of them count. Without shifting nothing is disturbed.
+// As printed h = dx: four lattice neighbours lie at exactly 2h, where the kernel vanishes but the
+// sum of the shifting does not; rounding decides which of them count. Without shifting nothing is
+// disturbed.
 TEST(OpenSides, AUniformStreamPassesUndisturbedAsPrintedWithoutShifting) {
   Numerics numerics = test::preset("paper");
   numerics.shifting = Shifting::none;

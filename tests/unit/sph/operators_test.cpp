@@ -1,6 +1,6 @@
-/// The discrete operators of Eqs. 3 and 4 on fields whose derivatives are known, through the ACTIONs
-/// of the time step. The fields have the symmetry of the mirrors (cos for psi, sin for the normal
-/// velocity), so that the walls belong to the test.
+/// The discrete operators of Eqs. 3 and 4 on fields whose derivatives are known, through the
+/// ACTIONs of the time step. The fields have the symmetry of the mirrors (cos for psi, sin for the
+/// normal velocity), so that the walls belong to the test.
 
 #include "sph/simulation.hpp"
 
@@ -75,12 +75,14 @@ double laplacian_error(int n, const Numerics& numerics) {
   return worst;
 }
 
-double slope(double coarse, double fine) { return std::log2(coarse / fine); }
+double slope(double coarse, double fine) {
+  return std::log2(coarse / fine);
+}
 
 TEST(Operators, NormalisedGradientConvergesAtSecondOrder) {
   const auto numerics = test::preset("recommended");
-  // A central difference on the lattice; the next term of the error is of fourth order, so the slope
-  // between n = 20 and 40 lies within a few hundredths of 2.
+  // A central difference on the lattice; the next term of the error is of fourth order, so the
+  // slope between n = 20 and 40 lies within a few hundredths of 2.
   EXPECT_NEAR(slope(gradient_error<2>(20, numerics), gradient_error<2>(40, numerics)), 2.0, 0.05);
   EXPECT_NEAR(slope(gradient_error<3>(10, numerics), gradient_error<3>(20, numerics)), 2.0, 0.1);
   EXPECT_LT(gradient_error<2>(40, numerics), 2e-2);
@@ -103,7 +105,8 @@ TEST(Operators, PrintedGradientKeepsItsLatticeFactor) {
 }
 
 TEST(Operators, DivergenceOfASmoothFieldConvergesAtSecondOrder) {
-  // u = (sin pi x cos pi y, 0): div u = pi cos pi x cos pi y, root mean square pi/2 over the square.
+  // u = (sin pi x cos pi y, 0): div u = pi cos pi x cos pi y, root mean square pi/2 over the
+  // square.
   const auto numerics = test::preset("recommended");
   std::array<double, 2> error{};
   for (const int k : {0, 1}) {
@@ -120,8 +123,9 @@ TEST(Operators, DivergenceOfASmoothFieldConvergesAtSecondOrder) {
 }
 
 TEST(Operators, ProjectionTakesAGradientOutOfTheVelocity) {
-  // u* = grad phi with phi = cos pi x cos pi y has no divergence-free part between walls: what remains
-  // is the inconsistency of divergence, Laplacian and gradient, of second order on the lattice.
+  // u* = grad phi with phi = cos pi x cos pi y has no divergence-free part between walls: what
+  // remains is the inconsistency of divergence, Laplacian and gradient, of second order on the
+  // lattice.
   Numerics numerics = test::preset("recommended");
   numerics.density_feedback = 0.0;
   numerics.pressure_tolerance = 1e-10;

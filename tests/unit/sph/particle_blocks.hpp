@@ -18,7 +18,8 @@ inline Numerics preset(const std::string& name) {
   return read_numerics(document);
 }
 
-/// Cell centres of a lattice of `count` cells, moved at random by up to `jitter` x spacing each way.
+/// Cell centres of a lattice of `count` cells, moved at random by up to `jitter` x spacing each
+/// way.
 template <int dim>
 std::vector<Vector<dim>> lattice(const std::array<int, dim>& count, double spacing,
                                  double jitter = 0.0, unsigned seed = 1) {

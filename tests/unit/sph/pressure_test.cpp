@@ -2,8 +2,8 @@
 
 #include "tests/unit/sph/particle_blocks.hpp"
 
-#include <Eigen/Dense>
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 namespace sprung::sph {
 namespace {
@@ -211,9 +211,9 @@ TEST(PressureSolver, ZeroRightSideGivesZero) {
   }
 }
 
-// More than one block of the Gauss-Seidel sweep (2048 rows): the residual that is reported is checked
-// against one computed here, and the count of iterations must not grow with the size as it does
-// for the diagonal alone (about in proportion to the number of particles along a side).
+// More than one block of the Gauss-Seidel sweep (2048 rows): the residual that is reported is
+// checked against one computed here, and the count of iterations must not grow with the size as it
+// does for the diagonal alone (about in proportion to the number of particles along a side).
 TEST(PressureSolver, ManyParticles) {
   const Box<2> box({75, 60}, true);
   const auto n = box.matrix.rows();

@@ -21,7 +21,8 @@ ParticleScene<2> set_up(const ChannelScene& scene) {
 }
 
 void expect_contains(const std::string& text, const std::vector<std::string>& words) {
-  for (const auto& word : words) EXPECT_NE(text.find(word), std::string::npos) << word << " in: " << text;
+  for (const auto& word : words)
+    EXPECT_NE(text.find(word), std::string::npos) << word << " in: " << text;
 }
 
 TEST(ModulusTable, GivesTheRowOfTheRequest) {
@@ -35,12 +36,15 @@ TEST(ModulusTable, SaysWhatIsMissing) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "table.csv";
   const auto table = test::plane_modulus_table(file);
-  expect_contains(error_of([&] { table.modulus_per_stiffness(3, Bonds::equal, 0.0); }),
-                  {"table.csv", "3D", "equal", "2D, isotropic bonds, area stiffness 300", "calibrate"});
-  expect_contains(error_of([&] { table.modulus_per_stiffness(2, Bonds::isotropic, 299.0); }), {"299"});
+  expect_contains(
+      error_of([&] { table.modulus_per_stiffness(3, Bonds::equal, 0.0); }),
+      {"table.csv", "3D", "equal", "2D, isotropic bonds, area stiffness 300", "calibrate"});
+  expect_contains(error_of([&] { table.modulus_per_stiffness(2, Bonds::isotropic, 299.0); }),
+                  {"299"});
   expect_contains(error_of([&] { ModulusTable(folder.path() / "none.csv"); }),
                   {"none.csv", "sprung calibrate"});
-  for (const std::string line : {"2,equal,0", "2;equal;0;1.5", "two,equal,0,1.5", "2,equal,0,much"}) {
+  for (const std::string line :
+       {"2,equal,0", "2;equal;0;1.5", "two,equal,0,1.5", "2,equal,0,much"}) {
     std::ofstream(file) << "header\n2,equal,0,1.5\n" << line << "\n";
     expect_contains(error_of([&] { ModulusTable{file}; }), {"table.csv:3", line});
   }
@@ -50,8 +54,8 @@ TEST(SceneSetup, FillsTheChannelAndTheBeam) {
   const auto scene = set_up({});
   const auto& particles = scene.simulation->state().particles;
   EXPECT_EQ(particles.unknowns, 120u * 40u);
-  // Beam 15 mm x 100 mm at 7.5 mm: two columns of the 13 rows whose centres (3.75 mm + k 7.5 mm) lie
-  // below 100 mm.
+  // Beam 15 mm x 100 mm at 7.5 mm: two columns of the 13 rows whose centres (3.75 mm + k 7.5 mm)
+  // lie below 100 mm.
   EXPECT_EQ(particles.solids, 2u * 13u);
   ASSERT_EQ(scene.bodies.size(), 1u);
   EXPECT_EQ(scene.bodies[0].name, "beam");
@@ -69,8 +73,9 @@ TEST(SceneSetup, FillsTheChannelAndTheBeam) {
 TEST(SceneSetup, RefusesABeamOfOneParticle) {
   ChannelScene scene;
   scene.spacing = 0.015;
-  expect_contains(scene_error([&] { set_up(scene); }),
-                  {"beam.toml:", "[solid.beam]", "body", "one particle thick", "3.75 mm gives four"});
+  expect_contains(
+      scene_error([&] { set_up(scene); }),
+      {"beam.toml:", "[solid.beam]", "body", "one particle thick", "3.75 mm gives four"});
 }
 
 TEST(SceneSetup, WarnsOfABeamOfTwoAndNotOfFour) {
@@ -85,7 +90,8 @@ TEST(SceneSetup, WarnsOfABeamOfTwoAndNotOfFour) {
 TEST(SceneSetup, RefusesASpacingThatDoesNotDivideTheChannel) {
   ChannelScene scene;
   scene.spacing = 0.007;
-  expect_contains(scene_error([&] { set_up(scene); }), {"beam.toml:", "spacing", "nearest that does"});
+  expect_contains(scene_error([&] { set_up(scene); }),
+                  {"beam.toml:", "spacing", "nearest that does"});
   scene.spacing = 0.0;
   EXPECT_NE(scene_error([&] { set_up(scene); }), "");
 }
@@ -122,13 +128,13 @@ TEST(SceneSetup, TimeStepIsSetByTheSmallestLimit) {
   EXPECT_NEAR(recommended.simulation->time_step_limit().value, 2e-3, 1e-12);
   expect_contains(recommended.simulation->time_step_limit().limit, {"CFL"});
   scene.viscosity = 100.0;
-  EXPECT_NEAR(set_up(scene).simulation->time_step_limit().value, 0.125 * std::pow(1.3 * 0.0075, 2) / 0.1,
-              1e-12);
+  EXPECT_NEAR(set_up(scene).simulation->time_step_limit().value,
+              0.125 * std::pow(1.3 * 0.0075, 2) / 0.1, 1e-12);
   scene.viscosity = 1.0;
   scene.preset = "paper";
   scene.numerics = "position_update = \"new_velocity\"";
-  // Explicit springs: 0.8 x 0.7071 dx sqrt(rho/k_e) in a large block (method.md section 2); the beam of two
-  // columns has a lower highest frequency, and a clamp.
+  // Explicit springs: 0.8 x 0.7071 dx sqrt(rho/k_e) in a large block (method.md section 2); the
+  // beam of two columns has a lower highest frequency, and a clamp.
   const double block = 0.8 * 0.70711 * 0.0075 * std::sqrt(1000.0 * 1.5 / 0.7e6);
   const auto symplectic = set_up(scene).simulation->time_step_limit();
   EXPECT_GT(symplectic.value, 0.99 * block);
@@ -181,7 +187,8 @@ TEST(SceneSetup, CreatesOnlyTheEffectsThatTheSceneNames) {
   inviscid.replace(inviscid.find("no_slip"), 7, "free_slip");
   Document document = Document::from_text(inviscid);
   const TemporaryFolder folder;
-  const auto ideal = sph::set_up<2>(document, test::plane_modulus_table(folder.path() / "table.csv"));
+  const auto ideal =
+      sph::set_up<2>(document, test::plane_modulus_table(folder.path() / "table.csv"));
   EXPECT_TRUE(ideal.simulation->effects().diffusion.empty());
   EXPECT_TRUE(ideal.simulation->effects().limits.empty());
   EXPECT_TRUE(ideal.simulation->state().particles.carried.empty());

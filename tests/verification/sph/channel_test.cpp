@@ -13,10 +13,10 @@ namespace sprung::sph {
 namespace {
 
 struct SteadyChannel {
-  double profile_error = 0.0;        ///< root mean square over the section / peak speed
-  double largest_error = 0.0;        ///< / peak speed
-  double pressure_gradient = 0.0;    ///< Pa/m, mean over the last second
-  double flux_defect = 0.0;          ///< (flux through the section)/(u H) - 1
+  double profile_error = 0.0;      ///< root mean square over the section / peak speed
+  double largest_error = 0.0;      ///< / peak speed
+  double pressure_gradient = 0.0;  ///< Pa/m, mean over the last second
+  double flux_defect = 0.0;        ///< (flux through the section)/(u H) - 1
 };
 
 constexpr double height = 0.3, length = 0.9, mean_velocity = 0.5, viscosity = 1.0, density = 1000.0;
@@ -79,12 +79,13 @@ SteadyChannel steady_channel(int cells, double begin, double end) {
   return result;
 }
 
-// u = 6 U y (H - y)/H^2 and -dp/dx = 12 mu U/H^2 = 66.67 Pa/m, with no flux gained or lost on the way.
+// u = 6 U y (H - y)/H^2 and -dp/dx = 12 mu U/H^2 = 66.67 Pa/m, with no flux gained or lost on the
+// way.
 TEST(Channel, SteadyFlowIsPoiseuillesAndConverges) {
   const double exact_gradient = 12.0 * viscosity * mean_velocity / (height * height);
   const SteadyChannel coarse = steady_channel(20, 3.0, 7.0), fine = steady_channel(30, 3.0, 7.0);
-  // A scheme of second order is off by about (dx/H)^2 = 0.25 % and 0.11 % of the peak; the disorder of the
-  // particles adds to it. Twice that is allowed.
+  // A scheme of second order is off by about (dx/H)^2 = 0.25 % and 0.11 % of the peak; the disorder
+  // of the particles adds to it. Twice that is allowed.
   EXPECT_LT(coarse.profile_error, 0.005);
   EXPECT_LT(fine.profile_error, 0.0022);
   EXPECT_LT(coarse.largest_error, 0.015);
@@ -93,8 +94,8 @@ TEST(Channel, SteadyFlowIsPoiseuillesAndConverges) {
   EXPECT_GT(order, 1.5);
   EXPECT_NEAR(coarse.flux_defect, 0.0, 0.004);
   EXPECT_NEAR(fine.flux_defect, 0.0, 0.004);
-  // A change of the mean speed by 0.01 m/s between the first and the last of the 4 s that are averaged is
-  // worth 2.5 Pa/m, 4 %; single steps scatter by 1000 Pa/m.
+  // A change of the mean speed by 0.01 m/s between the first and the last of the 4 s that are
+  // averaged is worth 2.5 Pa/m, 4 %; single steps scatter by 1000 Pa/m.
   EXPECT_NEAR(coarse.pressure_gradient / exact_gradient, 1.0, 0.05);
   EXPECT_NEAR(fine.pressure_gradient / exact_gradient, 1.0, 0.05);
   RecordProperty("order", std::to_string(order));
