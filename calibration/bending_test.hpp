@@ -19,9 +19,10 @@ double plane_strain_modulus(const Material& material);
 
 /// Each over the continuum's, of thickness n dx.
 struct PlateStiffness {
-  double stretching = 0.0;  ///< EA: pull by equal forces on the end rows, strain of the middle half
-  double bending =
-      0.0;  ///< EI: pure bending by couples on the end rows, curvature of the middle half
+  /// EA: pull by equal forces on the end rows, strain of the middle half.
+  double stretching = 0.0;
+  /// EI: pure bending by couples on the end rows, curvature of the middle half.
+  double bending = 0.0;
 };
 
 /// Static, by the network of springs alone. Throws std::invalid_argument for fewer than 2 layers:
