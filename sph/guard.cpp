@@ -8,6 +8,20 @@ namespace sprung::sph {
 
 namespace {
 
+const char* name_of(Role role) {
+  switch (role) {
+    case Role::solid:
+      return "solid";
+    case Role::fluid:
+      return "fluid";
+    case Role::inflow:
+      return "of an inflow column";
+    case Role::outflow:
+      return "of an outflow column";
+  }
+  return "";
+}
+
 template <int dim>
 std::string place(const Vector<dim>& x) {
   std::string text = fmt::format("({:.4g}", x[0]);
@@ -30,9 +44,8 @@ std::optional<std::string> find_fault(const ParticleScene<dim>& scene) {
         "particle {} ({}) at {} moves at {:.4g} m/s, more than 10 times the velocity scale of "
         "{:.4g} m/s, "
         "at t = {:.6g} s; use a smaller time step (now {:.3g} s){}",
-        particles.identity[i], particles.role[i] == Role::solid ? "solid" : "fluid",
-        place<dim>(particles.position[i]), speed, simulation.velocity_scale(), clock.time,
-        clock.time_step,
+        particles.identity[i], name_of(particles.role[i]), place<dim>(particles.position[i]), speed,
+        simulation.velocity_scale(), clock.time, clock.time_step,
         particles.role[i] == Role::solid ? " or numerics.spring_integration = \"implicit\"" : "");
   }
   if (scene.solid) {

@@ -21,6 +21,7 @@ struct CellGrid {
   CellGrid(std::span<const Vector<dim>> points, double cell) : inverse_cell(1.0 / cell) {
     Vector<dim> low = points[0], high = points[0];
     for (const auto& x : points) {
+      if (!x.allFinite()) throw std::runtime_error("a particle's position is not a number");
       low = low.cwiseMin(x);
       high = high.cwiseMax(x);
     }

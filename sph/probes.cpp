@@ -2,6 +2,8 @@
 
 #include <Eigen/Dense>
 
+#include <stdexcept>
+
 #include <algorithm>
 
 namespace sprung::sph {
@@ -26,6 +28,7 @@ Vector<dim> fitted_value(const std::vector<Vector<dim>>& offsets,
                          const std::vector<double>& weights, const std::vector<Vector<dim>>& values,
                          int highest_order) {
   const auto n = static_cast<Eigen::Index>(offsets.size());
+  if (n == 0) throw std::runtime_error("no particle lies near the place of a probe");
   for (int order = highest_order; order >= 0; --order) {
     const auto terms = monomials<dim>(Vector<dim>::Zero(), order).size();
     if (n < 2 * terms && order > 0) continue;
@@ -40,7 +43,7 @@ Vector<dim> fitted_value(const std::vector<Vector<dim>>& offsets,
     if (fit.rank() < terms && order > 0) continue;
     return fit.solve(right).row(0).transpose();
   }
-  return Vector<dim>::Zero();
+  return Vector<dim>::Zero();  // order 0 has returned already
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -49,6 +50,9 @@ constexpr double ledger_rows = 600.0;
 /// Wall seconds between two checkpoints.
 constexpr double checkpoint_interval = 60.0;
 
+/// Set by SIGTERM and SIGINT: the run ends after the step under way and leaves a checkpoint.
+volatile std::sig_atomic_t asked_to_stop = 0;
+
 }  // namespace
 
 template <int dim>
@@ -89,6 +93,7 @@ Outcome run(Document& document, const ModulusTable& table, const RunOptions& opt
     record.set_number("steps", static_cast<double>(clock.step));
   };
   if (!resuming) measurements.ledgers();
+  for (const int signal : {SIGTERM, SIGINT}) std::signal(signal, [](int) { asked_to_stop = 1; });
 
   Progress progress("particles", end, clock.time);
   double last_checkpoint = wall_seconds();
@@ -99,7 +104,7 @@ Outcome run(Document& document, const ModulusTable& table, const RunOptions& opt
   for (const double stop : stops) {
     if (stop <= clock.time) continue;
     simulation.stop_at(stop);
-    while (clock.time < std::min(stop, end) && fault.empty()) {
+    while (clock.time < std::min(stop, end) && fault.empty() && asked_to_stop == 0) {
       try {
         advance(simulation);
       } catch (const std::runtime_error& error) {

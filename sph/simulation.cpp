@@ -217,8 +217,9 @@ void Simulation<dim>::solve_pressure() {
       mean /= static_cast<double>(n);
       for (double& s : source_) s -= mean;
     }
-    // Coarse cells of 3 dx: larger ones take more iterations, smaller ones more time each.
-    const double cell = 3.0 * particles.spacing;
+    // Coarse cells of 3 dx, and never narrower than a pair is long: larger ones take more
+    // iterations, smaller ones more time each.
+    const double cell = std::max(3.0 * particles.spacing, state_.kernel.support_radius());
     std::array<std::int32_t, dim> extent;
     for (int d = 0; d < dim; ++d)
       extent[d] = static_cast<std::int32_t>((box_high_[d] - box_low_[d]) / cell) + 1;
@@ -372,7 +373,6 @@ void Simulation<dim>::save(Archive& archive) const {
                                                   books_.returned,
                                                   books_.upstream,
                                                   books_.lost};
-  for (const auto* effect : effects_.remembers) effect->save(archive);
 }
 
 template <int dim>
@@ -397,7 +397,6 @@ void Simulation<dim>::restore(const Archive& archive) {
   p.solids = static_cast<std::size_t>(counters[2]);
   p.unknowns = static_cast<std::size_t>(counters[3]);
   books_ = {counters[4], counters[5], counters[6], counters[7], counters[8]};
-  for (auto* effect : effects_.remembers) effect->restore(archive);
   build_support();
 }
 

@@ -2,6 +2,7 @@
 /// A scene set up for the particle method: the state, the effects that the scene names, and the
 /// ACTIONs of the time step, each with its equation number.
 
+#include "scene/record.hpp"
 #include "sph/boundary/open_sides.hpp"
 #include "sph/effects/roles.hpp"
 #include "sph/numerics.hpp"
@@ -36,7 +37,6 @@ struct Effects {
   std::vector<Constraint<dim>*> constraints;                     ///< ACTION 7
   std::vector<std::unique_ptr<TimeStepLimit<dim>>> pure_limits;  ///< effects that do nothing else
   std::vector<const TimeStepLimit<dim>*> limits;
-  std::vector<Remembers*> remembers;
 };
 
 struct TimeStepChoice {

@@ -71,12 +71,24 @@ bool add_shifting(ParticleScene<dim>& scene, const ModulusTable&) {
   return true;
 }
 
+/// Implicit springs moved with the mean velocity: the step's determinant is 1 + (1/2 - a) Z > 1 for
+/// every mode.
+void refuse_implicit_mean(const Numerics& numerics) {
+  if (numerics.position_update == PositionUpdate::mean_velocity &&
+      numerics.spring_integration == SpringIntegration::implicit_force)
+    throw SceneError(
+        "numerics.spring_integration = \"implicit\" with position_update = \"mean_velocity\" is "
+        "unstable "
+        "at any time step; use position_update = \"new_velocity\"");
+}
+
 /// The printed update is unstable for springs without viscosity, so such a scene gets no step at
 /// all.
 template <int dim>
 bool add_printed_integrator(ParticleScene<dim>& scene, const ModulusTable& table) {
   auto& simulation = *scene.simulation;
   const Numerics& numerics = simulation.numerics();
+  if (!scene.problem.solids.empty()) refuse_implicit_mean(numerics);
   if (scene.problem.solids.empty() || numerics.position_update != PositionUpdate::mean_velocity ||
       numerics.spring_integration != SpringIntegration::explicit_force)
     return false;

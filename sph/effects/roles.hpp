@@ -2,7 +2,6 @@
 /// What an effect may do. Each role is one function; an effect's class head shows which it plays. A
 /// virtual call wraps a sweep over the particles; it never stands inside one.
 
-#include "scene/record.hpp"
 #include "sph/boundary/images.hpp"
 #include "sph/neighbours.hpp"
 
@@ -65,14 +64,6 @@ class Constraint {
   virtual ~Constraint() = default;
   /// `old_velocity`: before the step. May change state.particles.velocity.
   virtual void constrain(State<dim>& state, const std::vector<Vector<dim>>& old_velocity) = 0;
-};
-
-/// Keeps what it needs over a stop: its arrays go into the checkpoint and come back from it.
-class Remembers {
- public:
-  virtual ~Remembers() = default;
-  virtual void save(Archive& archive) const = 0;
-  virtual void restore(const Archive& archive) = 0;
 };
 
 }  // namespace sprung::sph
