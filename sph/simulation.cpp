@@ -311,6 +311,10 @@ void Simulation<dim>::update_support_and_mirrors() {
   const Stopwatch watch(seconds_[std::size_t(Action::support)]);
   auto& particles = state_.particles;
   std::vector<bool> dropped;
+  // The columns of an outflow are carried by copied velocities, which may lead one through the line
+  // of a wall.
+  for (std::size_t i = particles.unknowns; i < particles.size(); ++i)
+    if (particles.role[i] == Role::outflow) state_.images.turn_back(particles.position[i]);
   for (const auto& side : inflow_) side.exchange(particles, state_.clock.time, books_);
   for (const auto& side : outflow_) side.exchange(particles, books_);
   dropped.assign(particles.size(), false);

@@ -30,6 +30,12 @@ class Images {
   /// Particles' positions followed by the images'.
   const std::vector<Vector<dim>>& points() const { return points_; }
   std::size_t size() const { return parent_.size(); }
+  /// Mirrors a place outside a wall back to the inner side.
+  void turn_back(Vector<dim>& x) const {
+    for (const auto& wall : walls_)
+      if (wall.inward * (x[wall.axis] - wall.place) < 0.0)
+        x[wall.axis] = 2.0 * wall.place - x[wall.axis];
+  }
   bool outside_a_wall(const Vector<dim>& x) const {
     for (const auto& wall : walls_)
       if (wall.inward * (x[wall.axis] - wall.place) < 0.0) return true;
