@@ -43,13 +43,18 @@ std::vector<std::string> scaled(const Settings& s, int finer, double step) {
           fmt::format("reference_fem.largest_time_step={:.12g} s", step * s.largest_time_step)};
 }
 
-/// The record of a scene in `options.out`, run now unless it stands there finished.
-RecordReader obtain(const Scene& scene, const RunOptions& options) {
-  if (fs::exists(options.out / "manifest.json")) {
-    const RecordReader there(options.out);
-    if (there.manifest_text("outcome") == "finished" &&
-        there.manifest_text("scene_toml") == scene.document.resolved_toml())
-      return there;
+/// The record of a scene in `options.out`: run now, or, when resuming, taken up where it stands.
+RecordReader obtain(const Scene& scene, RunOptions options) {
+  if (options.resume) {
+    options.resume = false;
+    if (fs::exists(options.out / "manifest.json")) {
+      const RecordReader there(options.out);
+      if (there.manifest_text("scene_toml") == scene.document.resolved_toml()) {
+        if (there.manifest_text("outcome") == "finished") return there;
+        options.resume = true;
+      }
+    }
+    options.overwrite = !options.resume;
   }
   run(scene.document, scene.problem, scene.settings, options);
   return RecordReader(options.out);
@@ -72,12 +77,12 @@ Family run_family(const fs::path& file, const std::vector<std::string>& override
     RunOptions mine = options;
     mine.out = options.out / "convergence" / name;
     mine.label = "reference, " + name;
-    // A variant holds nothing but what this program puts there.
+    // A variant's folder holds nothing but what this program puts there.
     mine.overwrite = true;
     return obtain(read_scene(file, all), mine);
   };
-  run(base.document, base.problem, base.settings, options);
-  return {RecordReader(options.out), variant("mesh_coarse", -1, 1.0), variant("mesh_fine", 1, 1.0),
+  RecordReader base_record = obtain(base, options);
+  return {std::move(base_record), variant("mesh_coarse", -1, 1.0), variant("mesh_fine", 1, 1.0),
           variant("step_coarse", 0, 2.0), variant("step_fine", 0, 0.5)};
 }
 

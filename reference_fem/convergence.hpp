@@ -23,7 +23,7 @@ Extrapolation extrapolate(double coarse, double middle, double fine, double high
 
 /// Runs the scene into `options.out` and its variants into `options.out`/convergence, writes
 /// error_bar.json and error_bar.csv beside the record, and prints the table. `file` and `overrides` are
-/// the scene's own. Variants that stand there finished, from the same scene, are not run again.
+/// the scene's own. With `options.resume`, runs that stand there finished are kept and others taken up.
 void run_convergence(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                      const RunOptions& options);
 

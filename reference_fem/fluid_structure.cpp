@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <string>
 
 namespace sprung::reference {
@@ -21,6 +20,9 @@ struct FluidStructure::Kernel {
   static constexpr int nq = na;
   static constexpr int np = degree * (degree + 1) / 2;
   static constexpr int nl = 2 * na;  ///< velocity unknowns of a cell, interleaved
+
+  /// A fluid cell squeezed further than this answers with garbage before it turns inside out.
+  static constexpr double least_volume_ratio = 0.02;
 
   const FluidStructure& system;
   const Fields& fields;
@@ -68,7 +70,7 @@ struct FluidStructure::Kernel {
     s.grad_v[0] = l00, s.grad_v[1] = l01, s.grad_v[2] = l10, s.grad_v[3] = l11;
     s.p = 0;
     for (int m = 0; m < np; ++m) s.p += psi[m] * l.p[m];
-    if (!(s.j > 0)) {
+    if (!(s.j > (system.space_.body(cell) == 0 ? least_volume_ratio : 0.0))) {
       const Vec2& x = system.space_.position(system.space_.cell_nodes(cell)[na / 2]);
       throw InvertedCell(x[0], x[1], system.space_.body(cell) != 0);
     }
@@ -281,20 +283,16 @@ FluidStructure::FluidStructure(const Space& space, const Problem& problem, std::
   viscosity_ = problem.viscosity ? problem.viscosity->dynamic : 0.0;
   number_unknowns();
   build_pattern();
-  wetted_cells_.resize(materials_.size() + 1);
-  for (int c = 0; c < space.cells(); ++c) {
-    if (space.body(c) != 0) continue;
-    std::set<int> touched;
-    for (int a = 0; a < space.nodes_per_cell(); ++a)
-      if (const int body = space.solid_of(space.cell_nodes(c)[a]); body != 0) touched.insert(body);
-    for (const int body : touched) wetted_cells_[static_cast<std::size_t>(body)].push_back(c);
-  }
+  wetted_nodes_.assign(materials_.size() + 1, std::vector<char>(static_cast<std::size_t>(space.nodes()), 0));
+  for (int n = 0; n < space.nodes(); ++n)
+    if (space.in_solid(n) && space.in_fluid(n))
+      wetted_nodes_[static_cast<std::size_t>(space.solid_of(n))][static_cast<std::size_t>(n)] = 1;
 }
 
 void FluidStructure::number_unknowns() {
   unknown_.assign(2 * static_cast<std::size_t>(space_.nodes()), 0);
   for (int n = 0; n < space_.nodes(); ++n) {
-    bool fixed[2] = {false, false};
+    bool fixed[2] = {space_.on_obstacle(n), space_.on_obstacle(n)};
     for (const Side side : all_sides) {
       if (!space_.on_side(n, side)) continue;
       const std::size_t normal = (side == Side::left || side == Side::right) ? 0 : 1;
@@ -369,14 +367,18 @@ void FluidStructure::impose(double time, std::vector<double>& velocity) const {
   }
 }
 
-bool FluidStructure::is_open(Side side) const {
+bool FluidStructure::is_open(unsigned boundary) const {
+  if (boundary == obstacle_id) return false;
+  const Side side = static_cast<Side>(boundary);
   if (problem_.inflow && problem_.inflow->side == side) return false;
   return !(problem_.walls &&
            (contains(problem_.walls->no_slip, side) || contains(problem_.walls->free_slip, side)));
 }
 
-double FluidStructure::open_pressure(Side side) const {
-  return problem_.outflow && problem_.outflow->side == side ? problem_.outflow->pressure : 0.0;
+double FluidStructure::open_pressure(unsigned boundary) const {
+  return problem_.outflow && static_cast<unsigned>(problem_.outflow->side) == boundary
+             ? problem_.outflow->pressure
+             : 0.0;
 }
 
 namespace {
@@ -415,12 +417,12 @@ FacePoint face_point(const Space& space, const BoundaryFace& face, std::size_t q
 void FluidStructure::add_open_boundary(const Fields& fields, Residual& result) const {
   const auto na = static_cast<std::size_t>(space_.nodes_per_cell());
   for (const BoundaryFace& face : space_.boundary()) {
-    if (space_.body(face.cell) != 0 || !is_open(face.side)) continue;
+    if (space_.body(face.cell) != 0 || !is_open(face.boundary)) continue;
     for (std::size_t q = 0; q < face.normal_weight.size(); ++q) {
       const FacePoint s = face_point(space_, face, q, fields);
       const Vec2& n = face.normal_weight[q];
       for (std::size_t i = 0; i < 2; ++i) {
-        const double traction = -open_pressure(face.side) * n[i] +
+        const double traction = -open_pressure(face.boundary) * n[i] +
                                 viscosity_ * (s.grad[i] * n[0] + s.grad[2 + i] * n[1]);
         for (std::size_t a = 0; a < na; ++a)
           result.momentum[2 * static_cast<std::size_t>(space_.cell_nodes(face.cell)[a]) + i] -=
@@ -433,7 +435,7 @@ void FluidStructure::add_open_boundary(const Fields& fields, Residual& result) c
 void FluidStructure::add_open_boundary_matrix(const Fields& fields) {
   const auto na = static_cast<std::size_t>(space_.nodes_per_cell()), nl = 2 * na;
   for (const BoundaryFace& face : space_.boundary()) {
-    if (space_.body(face.cell) != 0 || !is_open(face.side)) continue;
+    if (space_.body(face.cell) != 0 || !is_open(face.boundary)) continue;
     const int* entry = &entry_[static_cast<std::size_t>(face.cell) * nl * nl];
     for (std::size_t q = 0; q < face.normal_weight.size(); ++q) {
       const FacePoint s = face_point(space_, face, q, fields);
@@ -544,26 +546,31 @@ void FluidStructure::correct(const Residual& residual, std::vector<double>& velo
     }
 }
 
-Vec2 FluidStructure::force_on(int body, const Fields& fields, const StageWeights& weights) const {
+Vec2 FluidStructure::force_on(const std::vector<char>& nodes, const Fields& fields,
+                              const StageWeights& weights) const {
   const int na = space_.nodes_per_cell();
+  const auto counts = [&](int node, int d) {
+    if (nodes[static_cast<std::size_t>(node)] == 0) return false;
+    // At a foot of the body the wall's pressure acts on the node too: it must not count as the body's.
+    for (const Side side : all_sides)
+      if (space_.on_side(node, side) && (side == Side::left || side == Side::right) == (d == 0)) return false;
+    return true;
+  };
   std::vector<double> r(static_cast<std::size_t>(2 * na + space_.pressures_per_cell()));
   Vec2 force{};
-  for (const int c : wetted_cells_[static_cast<std::size_t>(body)]) {
+  for (int c = 0; c < space_.cells(); ++c) {
+    const int* cell = space_.cell_nodes(c);
+    if (space_.body(c) != 0 || std::none_of(cell, cell + na, [&](int node) {
+          return nodes[static_cast<std::size_t>(node)] != 0;
+        }))
+      continue;
     if (space_.degree() == 2)
       Kernel<2>{*this, fields, weights}.residual(c, r.data());
     else
       Kernel<3>{*this, fields, weights}.residual(c, r.data());
-    for (int a = 0; a < na; ++a) {
-      const int node = space_.cell_nodes(c)[a];
-      if (space_.solid_of(node) != body) continue;
-      for (int d = 0; d < 2; ++d) {
-        // At a foot of the body the wall's pressure acts on the node too: it must not count as the body's.
-        bool on_wall = false;
-        for (const Side side : all_sides)
-          if (space_.on_side(node, side)) on_wall |= ((side == Side::left || side == Side::right) == (d == 0));
-        if (!on_wall) force[static_cast<std::size_t>(d)] -= r[static_cast<std::size_t>(2 * a + d)];
-      }
-    }
+    for (int a = 0; a < na; ++a)
+      for (int d = 0; d < 2; ++d)
+        if (counts(cell[a], d)) force[static_cast<std::size_t>(d)] -= r[static_cast<std::size_t>(2 * a + d)];
   }
   return force;
 }

@@ -91,7 +91,11 @@ class FluidStructure {
                std::vector<double>& pressure_step) const;
   /// Force of the fluid on a body (N per metre of depth), from the fluid's residual at the wetted nodes:
   /// as accurate as the energy, and in exact balance with the discrete momentum.
-  Vec2 force_on(int body, const Fields& fields, const StageWeights& weights) const;
+  Vec2 force_on(int body, const Fields& fields, const StageWeights& weights) const {
+    return force_on(wetted_nodes_[static_cast<std::size_t>(body)], fields, weights);
+  }
+  /// The same on any set of wetted nodes, marked by 1.
+  Vec2 force_on(const std::vector<char>& nodes, const Fields& fields, const StageWeights& weights) const;
   /// Power (W per metre of depth) that the prescribed velocities and the tractions on the open sides put in.
   double boundary_power(const Fields& fields, const StageWeights& weights) const;
   double factor_entries() const { return lu_.factor_entries(); }
@@ -101,8 +105,8 @@ class FluidStructure {
   struct Kernel;
   void number_unknowns();
   void build_pattern();
-  double open_pressure(Side side) const;
-  bool is_open(Side side) const;
+  double open_pressure(unsigned boundary) const;
+  bool is_open(unsigned boundary) const;
   void add_open_boundary(const Fields& fields, Residual& result) const;
   void add_open_boundary_matrix(const Fields& fields);
 
@@ -115,7 +119,7 @@ class FluidStructure {
   SparseColumns matrix_;
   std::vector<int> entry_;  ///< per cell and local pair, row by row: place in matrix_.value, or -1
   std::vector<double> inverse_c_b2_, b1_, inverse_c_;  ///< per cell, to recover the pressure
-  std::vector<std::vector<int>> wetted_cells_;
+  std::vector<std::vector<char>> wetted_nodes_;  ///< per body
   mutable std::vector<double> local_;  ///< per cell residuals, written in parallel, summed in order
   SparseLU lu_;
 };

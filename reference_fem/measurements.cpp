@@ -76,7 +76,7 @@ void add_boundary(const FluidStructure& system, const Fields& fields, Balance& s
   const auto na = static_cast<std::size_t>(space.nodes_per_cell());
   for (const BoundaryFace& face : space.boundary()) {
     if (space.body(face.cell) != 0) continue;
-    const bool in = system.problem().inflow && system.problem().inflow->side == face.side;
+    const bool in = system.problem().inflow && static_cast<unsigned>(system.problem().inflow->side) == face.boundary;
     for (std::size_t q = 0; q < face.normal_weight.size(); ++q) {
       Vec2 v{};
       for (std::size_t a = 0; a < na; ++a) {

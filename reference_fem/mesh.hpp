@@ -22,6 +22,9 @@ struct MeshSizes {
 
 /// Material id of a cell: 0 is fluid, i + 1 is Problem::solids[i].
 inline constexpr unsigned fluid_id = 0;
+/// Boundary ids below it are Sides; this is the rim of a hole in the plane: a rigid obstacle, no-slip, to which a
+/// body may be fixed.
+inline constexpr unsigned obstacle_id = 6;
 
 struct MeshQuality {
   double min_scaled_jacobian = 0.0;  ///< smallest sine-like corner quality, 1 for a square

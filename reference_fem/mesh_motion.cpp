@@ -21,15 +21,10 @@ double nearest(const std::vector<Vec2>& points, const Vec2& x) {
 
 MeshMotion::MeshMotion(const Space& space, double reach, double stiffening)
     : space_(&space), reach_(reach), stiffening_(stiffening) {
-  const auto held = [&space](int node) {
-    for (const Side side : {Side::left, Side::right, Side::bottom, Side::top})
-      if (space.on_side(node, side)) return true;
-    return false;
-  };
   unknown_.assign(static_cast<std::size_t>(space.nodes()), -1);
   for (int n = 0; n < space.nodes(); ++n) {
     if (space.in_fluid(n) && space.in_solid(n)) wetted_.push_back(space.position(n));
-    if (space.in_fluid(n) && !space.in_solid(n) && !held(n)) {
+    if (space.in_fluid(n) && !space.in_solid(n) && !space.on_any_boundary(n)) {
       unknown_[static_cast<std::size_t>(n)] = size_;
       size_ += 2;
     }

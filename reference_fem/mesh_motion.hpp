@@ -1,7 +1,7 @@
 #pragma once
 /// How the fluid's mesh follows the bodies: the mesh velocity g is the displacement of a fictitious elastic
 /// sheet that fills the undeformed fluid, moves with the bodies where it touches them and is held at the
-/// channel's sides,
+/// channel's sides and at obstacles,
 ///
 ///   div( a [grad g + grad g^T + div g I] ) = 0,   a = ((d/reach)^2 + regularisation^2)^(-stiffening/2),
 ///

@@ -21,7 +21,7 @@ Space::Space(const dealii::Triangulation<2>& mesh, int degree)
   position_.resize(dofs_.n_dofs());
   in_fluid_.assign(dofs_.n_dofs(), 0);
   solid_of_.assign(dofs_.n_dofs(), 0);
-  sides_.assign(dofs_.n_dofs(), 0);
+  boundaries_.assign(dofs_.n_dofs(), 0);
   tabulate_cells();
   tabulate_boundary();
 }
@@ -81,7 +81,7 @@ void Space::tabulate_boundary() {
       shape.reinit(cell, f);
       BoundaryFace face;
       face.cell = number;
-      face.side = static_cast<Side>(cell->face(f)->boundary_id());
+      face.boundary = cell->face(f)->boundary_id();
       for (unsigned q = 0; q < quadrature.size(); ++q) {
         const auto n = shape.normal_vector(q);
         face.normal_weight.push_back({n[0] * shape.JxW(q), n[1] * shape.JxW(q)});
@@ -94,7 +94,7 @@ void Space::tabulate_boundary() {
       }
       for (unsigned a = 0; a < fe_.n_dofs_per_cell(); ++a)
         if (fe_.has_support_on_face(a, f))
-          sides_[static_cast<std::size_t>(cell_nodes(number)[a])] |= 1 << static_cast<int>(face.side);
+          boundaries_[static_cast<std::size_t>(cell_nodes(number)[a])] |= 1U << face.boundary;
       boundary_.push_back(std::move(face));
     }
     ++number;

@@ -4,6 +4,7 @@
 /// by cell, and lets the pressure jump where fluid meets solid. All integrals are taken over the reference
 /// configuration, whose shape functions and weights are tabulated here once.
 
+#include "reference_fem/mesh.hpp"
 #include "scene/problem.hpp"
 
 #include <deal.II/dofs/dof_handler.h>
@@ -20,7 +21,7 @@ using Vec2 = std::array<double, 2>;
 /// One side of a cell on the boundary of the plane, with its own quadrature.
 struct BoundaryFace {
   int cell = 0;
-  Side side = Side::left;
+  unsigned boundary = 0;       ///< a Side, or obstacle_id
   std::vector<double> value;   ///< [q][a]
   std::vector<double> grad_x;  ///< [q][a], 1/m
   std::vector<double> grad_y;
@@ -57,9 +58,9 @@ class Space {
   bool in_solid(int node) const { return solid_of_[static_cast<std::size_t>(node)] != 0; }
   /// Body of the solid cells around a node; 0 if there are none.
   int solid_of(int node) const { return solid_of_[static_cast<std::size_t>(node)]; }
-  bool on_side(int node, Side side) const {
-    return (sides_[static_cast<std::size_t>(node)] >> static_cast<int>(side) & 1) != 0;
-  }
+  bool on_side(int node, Side side) const { return on_boundary(node, static_cast<unsigned>(side)); }
+  bool on_obstacle(int node) const { return on_boundary(node, obstacle_id); }
+  bool on_any_boundary(int node) const { return boundaries_[static_cast<std::size_t>(node)] != 0; }
 
   /// Values of a cell's shape functions at a point of the unit square.
   void shape_values(const Vec2& unit, double* values) const;
@@ -74,6 +75,9 @@ class Space {
   static std::size_t index(int i, int stride) {
     return static_cast<std::size_t>(i) * static_cast<std::size_t>(stride);
   }
+  bool on_boundary(int node, unsigned boundary) const {
+    return (boundaries_[static_cast<std::size_t>(node)] >> boundary & 1U) != 0;
+  }
   void tabulate_cells();
   void tabulate_boundary();
 
@@ -81,7 +85,8 @@ class Space {
   dealii::FE_Q<2> fe_;
   dealii::DoFHandler<2> dofs_;
   int nodes_per_cell_, points_per_cell_, pressures_per_cell_;
-  std::vector<int> body_, cell_nodes_, solid_of_, sides_;
+  std::vector<int> body_, cell_nodes_, solid_of_;
+  std::vector<unsigned> boundaries_;  ///< per node: one bit per boundary id
   std::vector<char> in_fluid_;
   std::vector<Vec2> position_, center_;
   std::vector<double> size_;

@@ -10,7 +10,7 @@ std::vector<double> traction_load(const Space& space, Side side, const Vec2& tra
   std::vector<double> load(2 * static_cast<std::size_t>(space.nodes()), 0.0);
   const auto na = static_cast<std::size_t>(space.nodes_per_cell());
   for (const BoundaryFace& face : space.boundary()) {
-    if (face.side != side) continue;
+    if (face.boundary != static_cast<unsigned>(side)) continue;
     for (std::size_t q = 0; q < face.normal_weight.size(); ++q) {
       const double ds = std::hypot(face.normal_weight[q][0], face.normal_weight[q][1]);
       for (std::size_t a = 0; a < na; ++a)

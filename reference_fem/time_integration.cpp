@@ -1,5 +1,6 @@
 #include "reference_fem/time_integration.hpp"
 
+#include "reference_fem/secants.hpp"
 #include "scene/progress.hpp"
 
 #include <algorithm>
@@ -66,11 +67,12 @@ void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& bas
   ++effort_.stages;
   Residual residual;
   std::vector<double> velocity_step, pressure_step;
+  Secants secants;
   double previous = 0.0;
   bool fresh = false;
   for (int iteration = 0; iteration < newton_.max_iterations; ++iteration) {
     update_from_velocity(fields, base_velocity, base_displacement);
-    if (std::abs(matrix_c_ - weights_.c) > 1e-12 * weights_.c) {
+    if (std::abs(matrix_c_ - weights_.c) > 1e-9 * weights_.c) {
       linearize(fields);
       fresh = true;
       contraction_ = 1.0;
@@ -84,10 +86,11 @@ void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& bas
       system_.correct(residual, velocity_step, pressure_step);
     }
     ++effort_.iterations;
-    add(fields.velocity, 1.0, velocity_step);
-    add(fields.pressure, 1.0, pressure_step);
     const double change = largest(velocity_step) + 0.0 * largest(pressure_step);
     if (!std::isfinite(change)) throw std::runtime_error("Newton's method met a value that is not finite");
+    secants.accelerate(fields.velocity, fields.pressure, velocity_step, pressure_step);
+    add(fields.velocity, 1.0, velocity_step);
+    add(fields.pressure, 1.0, pressure_step);
     speed_scale_ = std::max(speed_scale_, largest(fields.velocity));
     const double theta = previous > 0.0 ? change / previous : 0.0;
     if (previous > 0.0) contraction_ = std::max(theta, 1e-3);
@@ -100,6 +103,7 @@ void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& bas
     if (previous > 0.0 && theta > (fresh ? 0.8 : newton_.slow)) {
       update_from_velocity(fields, base_velocity, base_displacement);
       linearize(fields);
+      secants.clear();
       fresh = true;
       previous = 0.0;
       continue;

@@ -13,7 +13,7 @@ namespace sprung::reference {
 
 struct NewtonSettings {
   double tolerance = 1e-6;    ///< last correction's error, relative to the largest speed
-  double slow = 0.3;          ///< a contraction slower than this calls for a new matrix
+  double slow = 0.5;          ///< a contraction slower than this calls for a new matrix
   int max_iterations = 30;
 };
 

@@ -122,7 +122,7 @@ double body_frequency(double nu, double expected) {
   const StaticSolution bent = solve_static(*body.system, load);
   body.system->set_load({});
   const MeshMotion motion(*body.space, length, 1.25);
-  TimeIntegration integration(*body.system, motion, NewtonSettings{1e-9, 0.3, 30});
+  TimeIntegration integration(*body.system, motion, NewtonSettings{1e-9, 0.5, 30});
   integration.set_speed_scale(1e-3);
   State state = integration.initial_state();
   state.now.displacement = bent.fields.displacement;
