@@ -13,7 +13,8 @@ InvertedCell::InvertedCell(double x, double y, bool solid)
                          " turned inside out near x = " + std::to_string(x) +
                          " m, y = " + std::to_string(y) + " m") {}
 
-/// What one cell contributes. Everything is a small array of known size, so the compiler unrolls it.
+/// What one cell contributes. Everything is a small array of known size, so the compiler unrolls
+/// it.
 template <int degree>
 struct FluidStructure::Kernel {
   static constexpr int na = (degree + 1) * (degree + 1);
@@ -59,8 +60,10 @@ struct FluidStructure::Kernel {
     double l00 = 0, l01 = 0, l10 = 0, l11 = 0;
     for (int i = 0; i < na; ++i) {
       s.n[i] = n[i], s.bx[i] = bx[i], s.by[i] = by[i];
-      f00 += bx[i] * l.ux[i], f01 += by[i] * l.ux[i], f10 += bx[i] * l.uy[i], f11 += by[i] * l.uy[i];
-      l00 += bx[i] * l.vx[i], l01 += by[i] * l.vx[i], l10 += bx[i] * l.vy[i], l11 += by[i] * l.vy[i];
+      f00 += bx[i] * l.ux[i], f01 += by[i] * l.ux[i], f10 += bx[i] * l.uy[i],
+          f11 += by[i] * l.uy[i];
+      l00 += bx[i] * l.vx[i], l01 += by[i] * l.vx[i], l10 += bx[i] * l.vy[i],
+          l11 += by[i] * l.vy[i];
       v0 += n[i] * l.vx[i], v1 += n[i] * l.vy[i], g0 += n[i] * l.gx[i], g1 += n[i] * l.gy[i];
       a0 += n[i] * l.ax[i], a1 += n[i] * l.ay[i];
     }
@@ -186,11 +189,13 @@ struct FluidStructure::Kernel {
   double artificial() const {
     constexpr double beta = 1e7;
     double scale = system.viscosity_;
-    for (const Material& m : system.materials_) scale = std::max(scale, weights.c * m.shear_modulus);
+    for (const Material& m : system.materials_)
+      scale = std::max(scale, weights.c * m.shear_modulus);
     return 1.0 / (beta * scale);
   }
 
-  void solid_blocks(const Point& s, double w, const double* psi, const Material& m, Blocks& k) const {
+  void solid_blocks(const Point& s, double w, const double* psi, const Material& m,
+                    Blocks& k) const {
     const Matrix2 f = {s.f[0], s.f[1], s.f[2], s.f[3]};
     const Matrix2 h = m.volume_gradient(f);
     const Tangent2 t = m.tangent(f, s.p);
@@ -232,7 +237,8 @@ struct FluidStructure::Kernel {
       for (int k = 0; k < np; ++k) {
         if (k == i) continue;
         const double factor = c[k][i];
-        for (int j = 0; j < np; ++j) c[k][j] -= factor * c[i][j], inverse[k][j] -= factor * inverse[i][j];
+        for (int j = 0; j < np; ++j)
+          c[k][j] -= factor * c[i][j], inverse[k][j] -= factor * inverse[i][j];
       }
     }
   }
@@ -259,7 +265,8 @@ struct FluidStructure::Kernel {
 
 namespace {
 
-/// Runs `body(cell)` over all cells on the threads deal.II was given; an exception in one reaches the caller.
+/// Runs `body(cell)` over all cells on the threads deal.II was given; an exception in one reaches
+/// the caller.
 template <typename Body>
 void for_each_cell(int cells, const Body& body) {
   dealii::parallel::apply_to_subranges(
@@ -278,12 +285,14 @@ constexpr std::array<Side, 4> all_sides = {Side::left, Side::right, Side::bottom
 
 }  // namespace
 
-FluidStructure::FluidStructure(const Space& space, const Problem& problem, std::vector<Material> materials)
+FluidStructure::FluidStructure(const Space& space, const Problem& problem,
+                               std::vector<Material> materials)
     : space_(space), problem_(problem), materials_(std::move(materials)) {
   viscosity_ = problem.viscosity ? problem.viscosity->dynamic : 0.0;
   number_unknowns();
   build_pattern();
-  wetted_nodes_.assign(materials_.size() + 1, std::vector<char>(static_cast<std::size_t>(space.nodes()), 0));
+  wetted_nodes_.assign(materials_.size() + 1,
+                       std::vector<char>(static_cast<std::size_t>(space.nodes()), 0));
   for (int n = 0; n < space.nodes(); ++n)
     if (space.in_solid(n) && space.in_fluid(n))
       wetted_nodes_[static_cast<std::size_t>(space.solid_of(n))][static_cast<std::size_t>(n)] = 1;
@@ -349,7 +358,8 @@ void FluidStructure::build_pattern() {
 void FluidStructure::impose(double time, std::vector<double>& velocity) const {
   for (int n = 0; n < space_.nodes(); ++n)
     for (int d = 0; d < 2; ++d)
-      if (unknown(n, d) < 0) velocity[2 * static_cast<std::size_t>(n) + static_cast<std::size_t>(d)] = 0.0;
+      if (unknown(n, d) < 0)
+        velocity[2 * static_cast<std::size_t>(n) + static_cast<std::size_t>(d)] = 0.0;
   if (!problem_.inflow) return;
   const Inflow& inflow = *problem_.inflow;
   const std::size_t normal = (inflow.side == Side::left || inflow.side == Side::right) ? 0 : 1;
@@ -360,7 +370,8 @@ void FluidStructure::impose(double time, std::vector<double>& velocity) const {
     if (!space_.on_side(n, inflow.side) || space_.in_solid(n)) continue;
     bool wall = false;
     for (const Side side : all_sides)
-      if (problem_.walls && contains(problem_.walls->no_slip, side) && space_.on_side(n, side)) wall = true;
+      if (problem_.walls && contains(problem_.walls->no_slip, side) && space_.on_side(n, side))
+        wall = true;
     if (!wall)
       velocity[2 * static_cast<std::size_t>(n) + normal] =
           inward * inflow.speed(space_.position(n)[1 - normal] - from, height, time);
@@ -390,7 +401,8 @@ struct FacePoint {
   double inverse_j = 1;
 };
 
-FacePoint face_point(const Space& space, const BoundaryFace& face, std::size_t q, const Fields& fields) {
+FacePoint face_point(const Space& space, const BoundaryFace& face, std::size_t q,
+                     const Fields& fields) {
   const auto na = static_cast<std::size_t>(space.nodes_per_cell());
   FacePoint s;
   double l[4] = {0, 0, 0, 0};
@@ -455,7 +467,8 @@ void FluidStructure::add_open_boundary_matrix(const Fields& fields) {
   }
 }
 
-void FluidStructure::residual(const Fields& fields, const StageWeights& weights, Residual& result) const {
+void FluidStructure::residual(const Fields& fields, const StageWeights& weights,
+                              Residual& result) const {
   const auto np = static_cast<std::size_t>(space_.pressures_per_cell());
   const auto na = static_cast<std::size_t>(space_.nodes_per_cell()), n_local = 2 * na + np;
   const auto cells = static_cast<std::size_t>(space_.cells());
@@ -528,7 +541,8 @@ void FluidStructure::correct(const Residual& residual, std::vector<double>& velo
       for (std::size_t n = 0; n < np; ++n)
         y[m] += inverse_c_[(c * np + m) * np + n] * residual.continuity[c * np + n];
     for (std::size_t i = 0; i < nl; ++i) {
-      const int row = unknown(space_.cell_nodes(static_cast<int>(c))[i / 2], static_cast<int>(i % 2));
+      const int row =
+          unknown(space_.cell_nodes(static_cast<int>(c))[i / 2], static_cast<int>(i % 2));
       if (row < 0) continue;
       for (std::size_t m = 0; m < np; ++m)
         right[static_cast<std::size_t>(row)] -= b1_[(c * nl + i) * np + m] * y[m];
@@ -540,7 +554,8 @@ void FluidStructure::correct(const Residual& residual, std::vector<double>& velo
     if (unknown_[i] >= 0) velocity_step[i] = step[static_cast<std::size_t>(unknown_[i])];
   for (std::size_t c = 0; c < cells; ++c)
     for (std::size_t i = 0; i < nl; ++i) {
-      const auto n = 2 * static_cast<std::size_t>(space_.cell_nodes(static_cast<int>(c))[i / 2]) + i % 2;
+      const auto n =
+          2 * static_cast<std::size_t>(space_.cell_nodes(static_cast<int>(c))[i / 2]) + i % 2;
       for (std::size_t m = 0; m < np; ++m)
         pressure_step[c * np + m] -= inverse_c_b2_[(c * np + m) * nl + i] * velocity_step[n];
     }
@@ -551,9 +566,11 @@ Vec2 FluidStructure::force_on(const std::vector<char>& nodes, const Fields& fiel
   const int na = space_.nodes_per_cell();
   const auto counts = [&](int node, int d) {
     if (nodes[static_cast<std::size_t>(node)] == 0) return false;
-    // At a foot of the body the wall's pressure acts on the node too: it must not count as the body's.
+    // At a foot of the body the wall's pressure acts on the node too: it must not count as the
+    // body's.
     for (const Side side : all_sides)
-      if (space_.on_side(node, side) && (side == Side::left || side == Side::right) == (d == 0)) return false;
+      if (space_.on_side(node, side) && (side == Side::left || side == Side::right) == (d == 0))
+        return false;
     return true;
   };
   std::vector<double> r(static_cast<std::size_t>(2 * na + space_.pressures_per_cell()));
@@ -570,7 +587,8 @@ Vec2 FluidStructure::force_on(const std::vector<char>& nodes, const Fields& fiel
       Kernel<3>{*this, fields, weights}.residual(c, r.data());
     for (int a = 0; a < na; ++a)
       for (int d = 0; d < 2; ++d)
-        if (counts(cell[a], d)) force[static_cast<std::size_t>(d)] -= r[static_cast<std::size_t>(2 * a + d)];
+        if (counts(cell[a], d))
+          force[static_cast<std::size_t>(d)] -= r[static_cast<std::size_t>(2 * a + d)];
   }
   return force;
 }

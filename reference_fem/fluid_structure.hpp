@@ -1,10 +1,11 @@
 #pragma once
 /// The coupled equations in weak form, their residual and their linearisation.
 ///
-/// Unknown are the velocity v of fluid and solid, one continuous field, and the pressure p. X labels points
-/// of the undeformed plane, x = X + u(X, t) is where they are, F = I + grad u, J = det F. In a body u follows
-/// the material, in the fluid it follows the mesh: du/dt = g with g = v in the bodies and g = the extension of
-/// v from their faces in the fluid (mesh_motion.hpp). For all test functions (phi, q)
+/// Unknown are the velocity v of fluid and solid, one continuous field, and the pressure p. X
+/// labels points of the undeformed plane, x = X + u(X, t) is where they are, F = I + grad u, J =
+/// det F. In a body u follows the material, in the fluid it follows the mesh: du/dt = g with g = v
+/// in the bodies and g = the extension of v from their faces in the fluid (mesh_motion.hpp). For
+/// all test functions (phi, q)
 ///
 ///   fluid, over the moved mesh x:
 ///     (rho (dv/dt|_X + ((v - g) . grad) v), phi) + (mu (grad v + grad v^T) - p I, grad phi)
@@ -13,21 +14,25 @@
 ///     (rho dv/dt, phi) + (dW_shape/dF - p dtheta/dF, grad phi) = 0,
 ///     (q, theta + p/lambda) = 0.
 ///
-/// - The time derivative is taken at fixed X and the integrals stand in the non-conservative form at one
-///   instant, so a uniform flow stays uniform whatever the mesh does (the geometric conservation law).
-/// - The open sides carry mu grad v n - p n = -p_out n ("do nothing"): the symmetric stress stands in the volume, which
-///   makes the traction on a body the true one, and the boundary term takes its transpose out again, so that
-///   a Poiseuille flow leaves undisturbed.
+/// - The time derivative is taken at fixed X and the integrals stand in the non-conservative form
+/// at one
+///   instant, so a uniform flow stays uniform whatever the mesh does (the geometric conservation
+///   law).
+/// - The open sides carry mu grad v n - p n = -p_out n ("do nothing"): the symmetric stress stands
+/// in the volume, which
+///   makes the traction on a body the true one, and the boundary term takes its transpose out
+///   again, so that a Poiseuille flow leaves undisturbed.
 /// - The bodies' volume is held by its strain theta, not by its rate, so none drifts away.
 ///
-/// Newton's matrix leaves out how the residual depends on the mesh's place (shape derivatives), so that the mesh
-/// motion never enters the linear system; the residual is exact, so the converged solution is that of the
-/// fully implicit coupled equations. The pressure modes of each cell are eliminated by an artificial
-/// compressibility of the matrix alone: again the residual does not know of it.
+/// Newton's matrix leaves out how the residual depends on the mesh's place (shape derivatives), so
+/// that the mesh motion never enters the linear system; the residual is exact, so the converged
+/// solution is that of the fully implicit coupled equations. The pressure modes of each cell are
+/// eliminated by an artificial compressibility of the matrix alone: again the residual does not
+/// know of it.
 
 #include "reference_fem/material.hpp"
-#include "reference_fem/sparse_lu.hpp"
 #include "reference_fem/space.hpp"
+#include "reference_fem/sparse_lu.hpp"
 
 #include <stdexcept>
 #include <vector>
@@ -52,8 +57,8 @@ struct Fields {
 /// How an implicit stage ties the fields to the velocity: d(displacement)/d(velocity) = c,
 /// d(acceleration)/d(velocity) = inertia/c.
 struct StageWeights {
-  double c = 0.0;           ///< s
-  double inertia = 1.0;     ///< 0 for a static problem
+  double c = 0.0;        ///< s
+  double inertia = 1.0;  ///< 0 for a static problem
 };
 
 struct Residual {
@@ -68,7 +73,9 @@ class FluidStructure {
 
   const Space& space() const { return space_; }
   const Problem& problem() const { return problem_; }
-  const Material& material(int body) const { return materials_[static_cast<std::size_t>(body) - 1]; }
+  const Material& material(int body) const {
+    return materials_[static_cast<std::size_t>(body) - 1];
+  }
   double viscosity() const { return viscosity_; }
   int velocity_unknowns() const { return matrix_.size; }
   int pressure_unknowns() const { return space_.cells() * space_.pressures_per_cell(); }
@@ -89,14 +96,16 @@ class FluidStructure {
   /// Newton's correction with the last matrix.
   void correct(const Residual& residual, std::vector<double>& velocity_step,
                std::vector<double>& pressure_step) const;
-  /// Force of the fluid on a body (N per metre of depth), from the fluid's residual at the wetted nodes:
-  /// as accurate as the energy, and in exact balance with the discrete momentum.
+  /// Force of the fluid on a body (N per metre of depth), from the fluid's residual at the wetted
+  /// nodes: as accurate as the energy, and in exact balance with the discrete momentum.
   Vec2 force_on(int body, const Fields& fields, const StageWeights& weights) const {
     return force_on(wetted_nodes_[static_cast<std::size_t>(body)], fields, weights);
   }
   /// The same on any set of wetted nodes, marked by 1.
-  Vec2 force_on(const std::vector<char>& nodes, const Fields& fields, const StageWeights& weights) const;
-  /// Power (W per metre of depth) that the prescribed velocities and the tractions on the open sides put in.
+  Vec2 force_on(const std::vector<char>& nodes, const Fields& fields,
+                const StageWeights& weights) const;
+  /// Power (W per metre of depth) that the prescribed velocities and the tractions on the open
+  /// sides put in.
   double boundary_power(const Fields& fields, const StageWeights& weights) const;
   double factor_entries() const { return lu_.factor_entries(); }
 
@@ -119,7 +128,7 @@ class FluidStructure {
   SparseColumns matrix_;
   std::vector<int> entry_;  ///< per cell and local pair, row by row: place in matrix_.value, or -1
   std::vector<double> inverse_c_b2_, b1_, inverse_c_;  ///< per cell, to recover the pressure
-  std::vector<std::vector<char>> wetted_nodes_;  ///< per body
+  std::vector<std::vector<char>> wetted_nodes_;        ///< per body
   mutable std::vector<double> local_;  ///< per cell residuals, written in parallel, summed in order
   SparseLU lu_;
 };

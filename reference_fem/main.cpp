@@ -2,15 +2,17 @@
 ///
 ///   +-------------------------------------------+      1  read the scene and its overrides
 ///   |  inflow ->        _                       |      2  mesh fluid and bodies (mesh.hpp)
-///   |                  | |   fluid          ->  |      3  march the coupled equations (fluid_structure.hpp,
-///   |                  |b|                      |         mesh_motion.hpp, time_integration.hpp)
+///   |                  | |   fluid          ->  |      3  march the coupled equations
+///   (fluid_structure.hpp, |                  |b|                      |         mesh_motion.hpp,
+///   time_integration.hpp)
 ///   +------------------+-+----------------------+      4  measure and record (measurements.hpp)
-///                                                      5  say how good the answer is (convergence.hpp)
+///                                                      5  say how good the answer is
+///                                                      (convergence.hpp)
 
 #include "reference_fem/convergence.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 namespace {
 
@@ -27,13 +29,15 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("scene", a.scene, "scene file (TOML)")->required();
   app.add_option("overrides", a.overrides, "table.key=value, checked like the file");
   app.add_option("--out", a.options.out, "folder of the record")->required();
-  app.add_option("--threads", a.options.threads, "threads for assembly; the bits do not depend on it")
+  app.add_option("--threads", a.options.threads,
+                 "threads for assembly; the bits do not depend on it")
       ->check(CLI::Range(1, 256));
   app.add_flag("--resume", a.options.resume, "continue from the last checkpoint, if there is one");
   app.add_flag("--overwrite", a.options.overwrite, "replace a record that stands in --out");
-  app.add_flag("--converge", a.converge,
-               "also run coarser and finer meshes and steps, and write the reference's own error bar");
-  app.add_option("--until", a.options.until, "pause at this time (s) and leave a checkpoint");
+  app.add_flag(
+      "--converge", a.converge,
+      "also run coarser and finer meshes and steps, and write the reference's own error bar");
+  app.add_option("--until", a.options.until, "pause at the first checkpoint from this time (s) on");
 }
 
 int work(const Arguments& a) {
@@ -52,14 +56,16 @@ int work(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Finite element reference: monolithic fluid-structure interaction on a moving mesh (deal.II)\n\n"
-               "Examples:\n"
-               "  sprung-reference beam.toml --out results/reference\n"
-               "  sprung-reference beam.toml reference_fem.cell_size=\"40 mm\" --out results/coarse\n"
-               "  sprung-reference beam.toml --out results/reference --converge\n"
-               "  sprung-reference beam.toml --out results/reference --resume\n\n"
-               "Exit codes: 0 finished; 1 the scene or a file is not usable; 2 the command line is not "
-               "understood;\n3 the run stopped itself, its record whole up to there."};
+  CLI::App app{
+      "Finite element reference: monolithic fluid-structure interaction on a moving mesh "
+      "(deal.II)\n\n"
+      "Examples:\n"
+      "  sprung-reference beam.toml --out results/reference\n"
+      "  sprung-reference beam.toml reference_fem.cell_size=\"40 mm\" --out results/coarse\n"
+      "  sprung-reference beam.toml --out results/reference --converge\n"
+      "  sprung-reference beam.toml --out results/reference --resume\n\n"
+      "Exit codes: 0 finished; 1 the scene or a file is not usable; 2 the command line is not "
+      "understood;\n3 the run stopped itself, its record whole up to there."};
   Arguments a;
   declare(app, a);
   try {

@@ -2,10 +2,12 @@
 /// Hyperelastic materials in plane strain, split into a part that only the deformation gradient F
 /// determines and a volumetric part that the pressure p carries:
 ///
-///   W(F) = W_shape(F) + lambda/2 theta(F)^2,    P = dW_shape/dF - p dtheta/dF,    theta + p/lambda = 0.
+///   W(F) = W_shape(F) + lambda/2 theta(F)^2,    P = dW_shape/dF - p dtheta/dF,    theta + p/lambda
+///   = 0.
 ///
-/// Both have the Lame constants G = E/(2(1+nu)) and lambda = 2 G nu/(1-2nu) of the three-dimensional solid
-/// at small strain; neither locks, because theta is constrained only against the pressure's few modes.
+/// Both have the Lame constants G = E/(2(1+nu)) and lambda = 2 G nu/(1-2nu) of the
+/// three-dimensional solid at small strain; neither locks, because theta is constrained only
+/// against the pressure's few modes.
 
 #include <array>
 #include <cmath>
@@ -17,9 +19,13 @@ using Matrix2 = std::array<double, 4>;
 /// dP_iK / dF_jL at index ((i*2 + K)*2 + j)*2 + L.
 using Tangent2 = std::array<double, 16>;
 
-inline double determinant(const Matrix2& f) { return f[0] * f[3] - f[1] * f[2]; }
+inline double determinant(const Matrix2& f) {
+  return f[0] * f[3] - f[1] * f[2];
+}
 /// det(F) F^-T, linear in F in two dimensions.
-inline Matrix2 cofactor(const Matrix2& f) { return {f[3], -f[2], -f[1], f[0]}; }
+inline Matrix2 cofactor(const Matrix2& f) {
+  return {f[3], -f[2], -f[1], f[0]};
+}
 
 enum class MaterialLaw { neo_hookean, st_venant_kirchhoff };
 

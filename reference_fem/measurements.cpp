@@ -33,7 +33,8 @@ Sample sample(const Space& space, const Fields& fields, int cell, int q) {
   }
   const int np = space.pressures_per_cell();
   for (int m = 0; m < np; ++m)
-    s.p += space.pressure_value(cell)[q * np + m] * fields.pressure[static_cast<std::size_t>(cell * np + m)];
+    s.p += space.pressure_value(cell)[q * np + m] *
+           fields.pressure[static_cast<std::size_t>(cell * np + m)];
   return s;
 }
 
@@ -43,7 +44,8 @@ std::array<double, 2> principal_stretches(const Matrix2& f) {
   return {0.5 * (a - b), 0.5 * (a + b)};
 }
 
-void add_fluid(const FluidStructure& system, const Sample& s, double w, Balance& sum, double& area) {
+void add_fluid(const FluidStructure& system, const Sample& s, double w, Balance& sum,
+               double& area) {
   const double j = determinant(s.f);
   const Matrix2 c = cofactor(s.f);
   Matrix2 d{};  // d v_i / d x_j
@@ -53,7 +55,8 @@ void add_fluid(const FluidStructure& system, const Sample& s, double w, Balance&
   const double rho = system.problem().density;
   sum.kinetic_fluid += w * j * 0.5 * rho * (s.v[0] * s.v[0] + s.v[1] * s.v[1]);
   const double shear = d[1] + d[2];
-  sum.dissipation += w * j * system.viscosity() * (2 * d[0] * d[0] + 2 * d[3] * d[3] + shear * shear);
+  sum.dissipation +=
+      w * j * system.viscosity() * (2 * d[0] * d[0] + 2 * d[3] * d[3] + shear * shear);
   sum.rms_divergence += w * j * (d[0] + d[3]) * (d[0] + d[3]);
   sum.smallest_volume_ratio = std::min(sum.smallest_volume_ratio, j);
   area += w * j;
@@ -76,7 +79,8 @@ void add_boundary(const FluidStructure& system, const Fields& fields, Balance& s
   const auto na = static_cast<std::size_t>(space.nodes_per_cell());
   for (const BoundaryFace& face : space.boundary()) {
     if (space.body(face.cell) != 0) continue;
-    const bool in = system.problem().inflow && static_cast<unsigned>(system.problem().inflow->side) == face.boundary;
+    const bool in = system.problem().inflow &&
+                    static_cast<unsigned>(system.problem().inflow->side) == face.boundary;
     for (std::size_t q = 0; q < face.normal_weight.size(); ++q) {
       Vec2 v{};
       for (std::size_t a = 0; a < na; ++a) {
@@ -129,8 +133,8 @@ Measurements::Measurements(const FluidStructure& system, RecordWriter& record)
   const auto place = [&](const Point& point, const std::string& body) {
     const Place found = at_rest.find({point[0], point[1]}, body_named(problem, body));
     if (found.cell < 0)
-      throw std::runtime_error(fmt::format("the point ({}, {}) m is not in the mesh of {}", point[0],
-                                           point[1], body));
+      throw std::runtime_error(
+          fmt::format("the point ({}, {}) m is not in the mesh of {}", point[0], point[1], body));
     return found;
   };
   for (const auto& probe : problem.probes.displacement) {
@@ -141,16 +145,16 @@ Measurements::Measurements(const FluidStructure& system, RecordWriter& record)
   for (const auto& probe : problem.probes.force)
     record_.declare_series(probe.name, {{"time", "s"}, {"force_x", "N/m"}, {"force_y", "N/m"}});
   for (const auto& probe : problem.probes.outline) {
-    const Solid& solid = problem.solids[static_cast<std::size_t>(body_named(problem, probe.solid)) - 1];
+    const Solid& solid =
+        problem.solids[static_cast<std::size_t>(body_named(problem, probe.solid)) - 1];
     outline_points_.push_back(outline_points(solid, probe.points));
     std::vector<Place> places;
     for (const Point& point : outline_points_.back()) places.push_back(place(point, probe.solid));
     outline_places_.push_back(std::move(places));
   }
-  record_.declare_series("ledger_mass", {{"time", "s"},
-                                         {"inflow", "m2/s"},
-                                         {"outflow", "m2/s"},
-                                         {"excess_outflow", "m2"}});
+  record_.declare_series(
+      "ledger_mass",
+      {{"time", "s"}, {"inflow", "m2/s"}, {"outflow", "m2/s"}, {"excess_outflow", "m2"}});
   record_.declare_series("ledger_energy", {{"time", "s"},
                                            {"kinetic_fluid", "J/m"},
                                            {"kinetic_solid", "J/m"},
@@ -159,8 +163,9 @@ Measurements::Measurements(const FluidStructure& system, RecordWriter& record)
                                            {"work", "J/m"},
                                            {"imbalance", "J/m"}});
   if (!problem.solids.empty())
-    record_.declare_series("ledger_solid",
-                           {{"time", "s"}, {"area_ratio", "1"}, {"min_stretch", "1"}, {"max_stretch", "1"}});
+    record_.declare_series(
+        "ledger_solid",
+        {{"time", "s"}, {"area_ratio", "1"}, {"min_stretch", "1"}, {"max_stretch", "1"}});
   record_.declare_series("ledger_divergence", {{"time", "s"}, {"rms_divergence", "1/s"}});
   record_.declare_series("ledger_solver", {{"time", "s"},
                                            {"time_step", "s"},
@@ -184,22 +189,22 @@ void Measurements::each_step(const State& state, const StageWeights& weights,
   const Balance b = balance(system_, state.now, weights);
   const double half = 0.5 * (t - time_);
   excess_ += half * (excess_rate_ + b.outflow - b.inflow);
-  // The pressure jumps with the rate of the inflow, and the power with it unless all is at rest: then only its
-  // new value counts.
+  // The pressure jumps with the rate of the inflow, and the power with it unless all is at rest:
+  // then only its new value counts.
   work_ += half * ((step.from_kink && work_ != 0.0 ? b.power : power_) + b.power);
   dissipated_ += half * (dissipation_ + b.dissipation);
   time_ = t, excess_rate_ = b.outflow - b.inflow, power_ = b.power, dissipation_ = b.dissipation;
   record_.append("ledger_mass", std::array{t, b.inflow, b.outflow, excess_});
   const double stored = b.kinetic_fluid + b.kinetic_solid + b.elastic;
-  record_.append("ledger_energy", std::array{t, b.kinetic_fluid, b.kinetic_solid, b.elastic, dissipated_,
-                                             work_, work_ - dissipated_ - stored});
+  record_.append("ledger_energy", std::array{t, b.kinetic_fluid, b.kinetic_solid, b.elastic,
+                                             dissipated_, work_, work_ - dissipated_ - stored});
   if (!problem.solids.empty())
     record_.append("ledger_solid", std::array{t, b.solid_area / b.solid_area_at_rest, b.min_stretch,
                                               b.max_stretch});
   record_.append("ledger_divergence", std::array{t, b.rms_divergence});
-  record_.append("ledger_solver",
-                 std::array{t, step.time_step, static_cast<double>(step.iterations),
-                            b.smallest_volume_ratio});
+  record_.append(
+      "ledger_solver",
+      std::array{t, step.time_step, static_cast<double>(step.iterations), b.smallest_volume_ratio});
 }
 
 void Measurements::at(double time, const State& state) {
@@ -210,7 +215,8 @@ void Measurements::at(double time, const State& state) {
   write_fields(time, state);
 }
 
-void Measurements::write_profile(const VelocityProfileProbe& probe, double time, const State& state) {
+void Measurements::write_profile(const VelocityProfileProbe& probe, double time,
+                                 const State& state) {
   const Locator locator(system_.space(), state.now.displacement);
   std::vector<double> rows;
   for (int i = 0; i < probe.points; ++i) {
@@ -220,7 +226,8 @@ void Measurements::write_profile(const VelocityProfileProbe& probe, double time,
     const Place place = locator.find(x);
     if (place.cell < 0)
       throw std::runtime_error(
-          fmt::format("probe {}: the point ({}, {}) m is in no cell at t = {} s", probe.name, x[0], x[1], time));
+          fmt::format("probe {}: the point ({}, {}) m is in no cell at t = {} s", probe.name, x[0],
+                      x[1], time));
     const Vec2 v = evaluate(system_.space(), state.now.velocity, place);
     rows.insert(rows.end(), {x[0], x[1], v[0], v[1]});
   }
@@ -241,7 +248,8 @@ void Measurements::write_outline(const OutlineProbe& probe, double time, const S
 }
 
 void Measurements::write_fields(double time, const State& state) {
-  // Every cell brings its own points, so that the pressure may jump; it is drawn as degree x degree pieces.
+  // Every cell brings its own points, so that the pressure may jump; it is drawn as degree x degree
+  // pieces.
   const Space& space = system_.space();
   const int na = space.nodes_per_cell(), np = space.pressures_per_cell(), k = space.degree();
   const auto& units = space.unit_nodes();
@@ -251,7 +259,8 @@ void Measurements::write_fields(double time, const State& state) {
     const auto column = [&](double s) {
       int nearest = 0;
       for (int b = 0; b < na; ++b)
-        if (units[static_cast<std::size_t>(b)][1] == 0.0 && units[static_cast<std::size_t>(b)][0] < s - 1e-9)
+        if (units[static_cast<std::size_t>(b)][1] == 0.0 &&
+            units[static_cast<std::size_t>(b)][0] < s - 1e-9)
           ++nearest;
       return nearest;
     };
@@ -275,7 +284,8 @@ void Measurements::write_fields(double time, const State& state) {
       space.pressure_values(c, x, modes.data());
       double p = 0.0;
       for (int m = 0; m < np; ++m)
-        p += modes[static_cast<std::size_t>(m)] * state.now.pressure[static_cast<std::size_t>(c * np + m)];
+        p += modes[static_cast<std::size_t>(m)] *
+             state.now.pressure[static_cast<std::size_t>(c * np + m)];
       pressure.push_back(p);
       body.push_back(space.body(c));
     }
@@ -293,8 +303,8 @@ void Measurements::write_fields(double time, const State& state) {
 }
 
 void Measurements::save(Archive& archive) const {
-  archive["measurements"] = std::vector<double>{time_, excess_, work_, dissipated_, excess_rate_, power_,
-                                                dissipation_};
+  archive["measurements"] =
+      std::vector<double>{time_, excess_, work_, dissipated_, excess_rate_, power_, dissipation_};
 }
 
 void Measurements::restore(const Archive& archive) {

@@ -8,15 +8,15 @@ namespace sprung::reference {
 
 /// Integrals over the plane at one time.
 struct Balance {
-  double inflow = 0.0, outflow = 0.0;                ///< m2/s
-  double kinetic_fluid = 0.0, kinetic_solid = 0.0;   ///< J/m
-  double elastic = 0.0;                              ///< J/m
-  double dissipation = 0.0;                          ///< W/m
-  double power = 0.0;                                ///< W/m, put in through the sides, less what is carried out
-  double solid_area = 0.0, solid_area_at_rest = 0.0; ///< m2
-  double min_stretch = 1.0, max_stretch = 1.0;       ///< smallest and largest principal stretch
-  double rms_divergence = 0.0;                       ///< 1/s
-  double smallest_volume_ratio = 1.0;                ///< least det F of the fluid's mesh
+  double inflow = 0.0, outflow = 0.0;               ///< m2/s
+  double kinetic_fluid = 0.0, kinetic_solid = 0.0;  ///< J/m
+  double elastic = 0.0;                             ///< J/m
+  double dissipation = 0.0;                         ///< W/m
+  double power = 0.0;  ///< W/m, put in through the sides, less what is carried out
+  double solid_area = 0.0, solid_area_at_rest = 0.0;  ///< m2
+  double min_stretch = 1.0, max_stretch = 1.0;        ///< smallest and largest principal stretch
+  double rms_divergence = 0.0;                        ///< 1/s
+  double smallest_volume_ratio = 1.0;                 ///< least det F of the fluid's mesh
 };
 
 Balance balance(const FluidStructure& system, const Fields& fields, const StageWeights& weights);

@@ -33,15 +33,21 @@ bool on_side(const Box& channel, Side side, double x, double y) {
   const double tolerance =
       1e-9 * std::max(channel.to[0] - channel.from[0], channel.to[1] - channel.from[1]);
   switch (side) {
-    case Side::left: return std::abs(x - channel.from[0]) < tolerance;
-    case Side::right: return std::abs(x - channel.to[0]) < tolerance;
-    case Side::bottom: return std::abs(y - channel.from[1]) < tolerance;
-    case Side::top: return std::abs(y - channel.to[1]) < tolerance;
-    default: return false;
+    case Side::left:
+      return std::abs(x - channel.from[0]) < tolerance;
+    case Side::right:
+      return std::abs(x - channel.to[0]) < tolerance;
+    case Side::bottom:
+      return std::abs(y - channel.from[1]) < tolerance;
+    case Side::top:
+      return std::abs(y - channel.to[1]) < tolerance;
+    default:
+      return false;
   }
 }
 
-/// A stretch of a grid line, cut into `cells` whose lengths grow by `ratio` from its start to its end.
+/// A stretch of a grid line, cut into `cells` whose lengths grow by `ratio` from its start to its
+/// end.
 struct Piece {
   double length = 0.0;
   int cells = 1;
@@ -51,7 +57,8 @@ struct Piece {
 /// Cells that start at `first` and grow by `ratio` until they reach `cap`.
 std::vector<Piece> growing(double length, double first, double cap, double ratio) {
   const auto sum = [&](int n) { return first * (std::pow(ratio, n) - 1.0) / (ratio - 1.0); };
-  const int to_cap = std::max(1, static_cast<int>(std::lround(std::log(cap / first) / std::log(ratio))));
+  const int to_cap =
+      std::max(1, static_cast<int>(std::lround(std::log(cap / first) / std::log(ratio))));
   if (sum(to_cap) + 0.5 * cap >= length) {
     const double wanted = std::log1p(length * (ratio - 1.0) / first) / std::log(ratio);
     return {{length, std::max(1, static_cast<int>(std::lround(wanted))), ratio}};
@@ -79,8 +86,8 @@ struct Direction {
   std::vector<Piece> pieces;
 };
 
-Direction divide(const std::vector<GridLine>& faces, const std::vector<std::array<double, 2>>& bodies,
-                 const MeshSizes& sizes) {
+Direction divide(const std::vector<GridLine>& faces,
+                 const std::vector<std::array<double, 2>>& bodies, const MeshSizes& sizes) {
   Direction direction;
   direction.lines.push_back(faces.front().at);
   for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
@@ -112,32 +119,36 @@ Direction divide(const std::vector<GridLine>& faces, const std::vector<std::arra
   return direction;
 }
 
-/// Lines along coordinate `d` at the channel's sides and the bodies' faces, ascending; faces that fall together
-/// take the smaller size.
+/// Lines along coordinate `d` at the channel's sides and the bodies' faces, ascending; faces that
+/// fall together take the smaller size.
 Direction directions(const Problem& problem, const MeshSizes& sizes, std::size_t d) {
   std::vector<GridLine> lines = {{problem.channel.from[d], 0.0}, {problem.channel.to[d], 0.0}};
   std::vector<std::array<double, 2>> bodies;
   for (const Solid& solid : problem.solids) {
     bodies.push_back({solid.body.from[d], solid.body.to[d]});
     for (const double at : bodies.back()) {
-      const bool held = solid.clamped && (d == 0 ? on_side(problem.channel, *solid.clamped, at, NAN)
-                                                 : on_side(problem.channel, *solid.clamped, NAN, at));
+      const bool held =
+          solid.clamped && (d == 0 ? on_side(problem.channel, *solid.clamped, at, NAN)
+                                   : on_side(problem.channel, *solid.clamped, NAN, at));
       // Every line across the clamp passes its corners.
-      const bool across = solid.clamped && ((*solid.clamped == Side::left || *solid.clamped == Side::right) !=
-                                            (d == 0));
+      const bool across =
+          solid.clamped &&
+          ((*solid.clamped == Side::left || *solid.clamped == Side::right) != (d == 0));
       lines.push_back({at, held     ? sizes.clamp_corner
                            : across ? std::min(sizes.clamp_corner, sizes.free_corner)
                                     : sizes.free_corner});
     }
   }
-  std::sort(lines.begin(), lines.end(), [](const GridLine& a, const GridLine& b) { return a.at < b.at; });
+  std::sort(lines.begin(), lines.end(),
+            [](const GridLine& a, const GridLine& b) { return a.at < b.at; });
   std::vector<GridLine> distinct;
   const double tolerance = 1e-9 * (problem.channel.to[d] - problem.channel.from[d]);
   for (const GridLine& line : lines) {
     if (distinct.empty() || line.at - distinct.back().at > tolerance)
       distinct.push_back(line);
     else if (line.size > 0.0)
-      distinct.back().size = distinct.back().size > 0.0 ? std::min(distinct.back().size, line.size) : line.size;
+      distinct.back().size =
+          distinct.back().size > 0.0 ? std::min(distinct.back().size, line.size) : line.size;
   }
   return divide(distinct, bodies, sizes);
 }
@@ -145,7 +156,8 @@ Direction directions(const Problem& problem, const MeshSizes& sizes, std::size_t
 unsigned material_at(const Problem& problem, double x, double y) {
   for (std::size_t i = 0; i < problem.solids.size(); ++i) {
     const Box& b = problem.solids[i].body;
-    if (b.from[0] < x && x < b.to[0] && b.from[1] < y && y < b.to[1]) return static_cast<unsigned>(i) + 1;
+    if (b.from[0] < x && x < b.to[0] && b.from[1] < y && y < b.to[1])
+      return static_cast<unsigned>(i) + 1;
   }
   return fluid_id;
 }
@@ -155,7 +167,9 @@ std::vector<std::vector<int>> build_blocks(const Problem& problem, const MeshSiz
   namespace geo = gmsh::model::geo;
   const Direction x = directions(problem, sizes, 0), y = directions(problem, sizes, 1);
   const int nx = static_cast<int>(x.lines.size()), ny = static_cast<int>(y.lines.size());
-  const auto at = [](const std::vector<double>& lines, int i) { return lines[static_cast<std::size_t>(i)]; };
+  const auto at = [](const std::vector<double>& lines, int i) {
+    return lines[static_cast<std::size_t>(i)];
+  };
   std::vector<int> points, across, along;
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) points.push_back(geo::addPoint(at(x.lines, i), at(y.lines, j), 0));
@@ -212,7 +226,8 @@ void collect_cells(const std::vector<std::vector<int>>& surfaces,
       for (std::size_t t = 0; t < types.size(); ++t) {
         if (types[t] != 3)
           throw std::runtime_error(
-              "Gmsh left a triangle in the mesh; change reference_fem.cell_size a little and try again");
+              "Gmsh left a triangle in the mesh; change reference_fem.cell_size a little and try "
+              "again");
         for (std::size_t e = 0; e < elements[t].size(); ++e) {
           dealii::CellData<2> cell;
           // Gmsh counts round the quadrilateral, deal.II row by row.
@@ -228,8 +243,8 @@ void collect_cells(const std::vector<std::vector<int>>& surfaces,
       vertices[place->second] = {coordinates[3 * i], coordinates[3 * i + 1]};
 }
 
-/// Gives every face on the plane's border the id of its side. A face on the border of the mesh but not of
-/// the plane would be a crack.
+/// Gives every face on the plane's border the id of its side. A face on the border of the mesh but
+/// not of the plane would be a crack.
 void name_sides(const Box& channel, dealii::Triangulation<2>& mesh) {
   for (const auto& face : mesh.active_face_iterators()) {
     if (!face->at_boundary()) continue;
@@ -260,7 +275,8 @@ MeshQuality check_quality(const dealii::Triangulation<2>& mesh) {
       const auto b = cell->vertex(round[(i + 3) % 4]) - cell->vertex(round[i]);
       const double sine = (a[0] * b[1] - a[1] * b[0]) / (a.norm() * b.norm());
       if (sine < 0.1)
-        throw std::runtime_error("the mesh has a distorted cell (corner quality " + std::to_string(sine) +
+        throw std::runtime_error("the mesh has a distorted cell (corner quality " +
+                                 std::to_string(sine) +
                                  ") at x = " + std::to_string(cell->center()[0]) +
                                  " m, y = " + std::to_string(cell->center()[1]) +
                                  " m; change reference_fem.cell_size or reference_fem.growth");
@@ -279,13 +295,15 @@ namespace {
 /// What Gmsh must make so that splitting gives the wanted sizes.
 MeshSizes coarsened(MeshSizes sizes) {
   const double factor = std::pow(2.0, sizes.splittings);
-  for (double* size : {&sizes.bulk, &sizes.clamp_corner, &sizes.free_corner, &sizes.face}) *size *= factor;
+  for (double* size : {&sizes.bulk, &sizes.clamp_corner, &sizes.free_corner, &sizes.face})
+    *size *= factor;
   return sizes;
 }
 
 }  // namespace
 
-MeshQuality make_mesh(const Problem& problem, const MeshSizes& sizes, dealii::Triangulation<2>& mesh) {
+MeshQuality make_mesh(const Problem& problem, const MeshSizes& sizes,
+                      dealii::Triangulation<2>& mesh) {
   std::vector<dealii::Point<2>> vertices;
   std::vector<dealii::CellData<2>> cells;
   {

@@ -1,7 +1,7 @@
 #pragma once
-/// The finite element mesh of a plane scene: blocks of quadrilaterals by Gmsh, conforming to every body, graded
-/// towards clamped and free corners, checked before anyone computes on it. Meshes that differ only in their
-/// splittings are nested, which is what extrapolation needs.
+/// The finite element mesh of a plane scene: blocks of quadrilaterals by Gmsh, conforming to every
+/// body, graded towards clamped and free corners, checked before anyone computes on it. Meshes that
+/// differ only in their splittings are nested, which is what extrapolation needs.
 
 #include "scene/problem.hpp"
 
@@ -9,21 +9,21 @@
 
 namespace sprung::reference {
 
-/// Target edge lengths (m). Cells grow from the lines of the bodies' faces outward, neighbour by neighbour,
-/// until they reach `face` along and across a body, `bulk` elsewhere.
+/// Target edge lengths (m). Cells grow from the lines of the bodies' faces outward, neighbour by
+/// neighbour, until they reach `face` along and across a body, `bulk` elsewhere.
 struct MeshSizes {
   double bulk = 0.0;
   double clamp_corner = 0.0;  ///< where a body's face meets the side that holds it
   double free_corner = 0.0;   ///< at a body's other corners, where the flow separates
   double face = 0.0;
-  double growth = 0.0;        ///< ratio of neighbours in Gmsh's mesh
-  int splittings = 0;         ///< Gmsh makes cells 2^splittings larger, each then split so often into four
+  double growth = 0.0;  ///< ratio of neighbours in Gmsh's mesh
+  int splittings = 0;  ///< Gmsh makes cells 2^splittings larger, each then split so often into four
 };
 
 /// Material id of a cell: 0 is fluid, i + 1 is Problem::solids[i].
 inline constexpr unsigned fluid_id = 0;
-/// Boundary ids below it are Sides; this is the rim of a hole in the plane: a rigid obstacle, no-slip, to which a
-/// body may be fixed.
+/// Boundary ids below it are Sides; this is the rim of a hole in the plane: a rigid obstacle,
+/// no-slip, to which a body may be fixed.
 inline constexpr unsigned obstacle_id = 6;
 
 struct MeshQuality {
@@ -36,6 +36,7 @@ struct MeshQuality {
 
 /// Fills `mesh`; boundary ids are static_cast<unsigned>(Side). Throws std::runtime_error when
 /// Gmsh fails or a cell is too distorted to compute on (scaled Jacobian below 0.1), saying where.
-MeshQuality make_mesh(const Problem& problem, const MeshSizes& sizes, dealii::Triangulation<2>& mesh);
+MeshQuality make_mesh(const Problem& problem, const MeshSizes& sizes,
+                      dealii::Triangulation<2>& mesh);
 
 }  // namespace sprung::reference

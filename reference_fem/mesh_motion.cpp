@@ -112,7 +112,8 @@ void MeshMotion::extend(std::vector<double>& field) const {
   const auto n = static_cast<std::size_t>(size_);
   std::vector<double> right(n, 0.0);
   for (const Coupling& k : coupling_)
-    right[static_cast<std::size_t>(k.row)] -= k.value * field[static_cast<std::size_t>(k.component)];
+    right[static_cast<std::size_t>(k.row)] -=
+        k.value * field[static_cast<std::size_t>(k.component)];
   cholmod_dense* solution = nullptr;
   if (factor_ != nullptr) {
     cholmod_dense b{};

@@ -1,15 +1,16 @@
 #pragma once
-/// How the fluid's mesh follows the bodies: the mesh velocity g is the displacement of a fictitious elastic
-/// sheet that fills the undeformed fluid, moves with the bodies where it touches them and is held at the
-/// channel's sides and at obstacles,
+/// How the fluid's mesh follows the bodies: the mesh velocity g is the displacement of a fictitious
+/// elastic sheet that fills the undeformed fluid, moves with the bodies where it touches them and
+/// is held at the channel's sides and at obstacles,
 ///
-///   div( a [grad g + grad g^T + div g I] ) = 0,   a = ((d/reach)^2 + regularisation^2)^(-stiffening/2),
+///   div( a [grad g + grad g^T + div g I] ) = 0,   a = ((d/reach)^2 +
+///   regularisation^2)^(-stiffening/2),
 ///
-/// d being the distance to the nearest wetted face. The sheet is stiff near the bodies, so the small cells at
-/// corners turn and move with them almost rigidly, and the distortion goes where the cells are large. The
-/// operator is linear and constant: one factorisation serves the whole run, and the extension of the
-/// displacement is the time integral of that of the velocity. It does not depend on the cells, so finer meshes
-/// move by the same map.
+/// d being the distance to the nearest wetted face. The sheet is stiff near the bodies, so the
+/// small cells at corners turn and move with them almost rigidly, and the distortion goes where the
+/// cells are large. The operator is linear and constant: one factorisation serves the whole run,
+/// and the extension of the displacement is the time integral of that of the velocity. It does not
+/// depend on the cells, so finer meshes move by the same map.
 
 #include "reference_fem/space.hpp"
 
@@ -27,8 +28,8 @@ class MeshMotion {
   ~MeshMotion();
   MeshMotion(const MeshMotion&) = delete;
   MeshMotion& operator=(const MeshMotion&) = delete;
-  /// Overwrites the entries of `field` (interleaved per node) at fluid nodes off the bodies with the
-  /// extension of the values at the bodies' nodes.
+  /// Overwrites the entries of `field` (interleaved per node) at fluid nodes off the bodies with
+  /// the extension of the values at the bodies' nodes.
   void extend(std::vector<double>& field) const;
 
  private:

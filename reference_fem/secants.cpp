@@ -17,8 +17,8 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
   return c;
 }
 
-/// Least squares coefficients of `target` in `columns`, by normal equations with a trace of damping:
-/// nearly parallel columns share, none explodes.
+/// Least squares coefficients of `target` in `columns`, by normal equations with a trace of
+/// damping: nearly parallel columns share, none explodes.
 std::vector<double> coefficients(const std::vector<const std::vector<double>*>& columns,
                                  const std::vector<double>& target) {
   const std::size_t n = columns.size();
@@ -57,7 +57,8 @@ void Secants::accelerate(const std::vector<double>& velocity, const std::vector<
   const Pair d = {velocity_step, pressure_step};
   if (has_last_) {
     dx_.push_back({difference(velocity, last_x_.velocity), difference(pressure, last_x_.pressure)});
-    dd_.push_back({difference(d.velocity, last_d_.velocity), difference(d.pressure, last_d_.pressure)});
+    dd_.push_back(
+        {difference(d.velocity, last_d_.velocity), difference(d.pressure, last_d_.pressure)});
     if (dx_.size() > most) {
       dx_.erase(dx_.begin());
       dd_.erase(dd_.begin());

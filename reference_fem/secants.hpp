@@ -1,7 +1,7 @@
 #pragma once
-/// Anderson's acceleration of an iteration x <- x + d(x): from the last corrections it learns how d answers
-/// to x in the few directions that converge slowly. Here these are the bodies' motions, whose effect on the
-/// moving mesh Newton's matrix leaves out.
+/// Anderson's acceleration of an iteration x <- x + d(x): from the last corrections it learns how d
+/// answers to x in the few directions that converge slowly. Here these are the bodies' motions,
+/// whose effect on the moving mesh Newton's matrix leaves out.
 
 #include <vector>
 
@@ -9,8 +9,8 @@ namespace sprung::reference {
 
 class Secants {
  public:
-  /// Replaces the correction d at x (both given as velocity and pressure parts) by the accelerated one. Norms
-  /// are taken of the velocity part.
+  /// Replaces the correction d at x (both given as velocity and pressure parts) by the accelerated
+  /// one. Norms are taken of the velocity part.
   void accelerate(const std::vector<double>& velocity, const std::vector<double>& pressure,
                   std::vector<double>& velocity_step, std::vector<double>& pressure_step);
   void clear();

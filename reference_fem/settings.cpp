@@ -14,8 +14,12 @@ double positive(const Table& table, const std::string& key, const Dimension& dim
   return value;
 }
 
-std::string length(double metres) { return fmt::format("{:.6g} m", metres); }
-std::string duration(double seconds) { return fmt::format("{:.6g} s", seconds); }
+std::string length(double metres) {
+  return fmt::format("{:.6g} m", metres);
+}
+std::string duration(double seconds) {
+  return fmt::format("{:.6g} s", seconds);
+}
 
 MeshSizes read_sizes(const Table& table, const Problem& problem) {
   MeshSizes sizes;
@@ -27,29 +31,35 @@ MeshSizes read_sizes(const Table& table, const Problem& problem) {
                                           height / 2.0));
   sizes.clamp_corner =
       positive(table, "clamp_corner_size", dimension::length, length(0.05 * sizes.bulk));
-  sizes.free_corner = positive(table, "free_corner_size", dimension::length, length(0.05 * sizes.bulk));
+  sizes.free_corner =
+      positive(table, "free_corner_size", dimension::length, length(0.05 * sizes.bulk));
   sizes.face = positive(table, "face_size", dimension::length, length(0.5 * sizes.bulk));
   sizes.growth = table.number_or("growth", 2.0);
   if (!(sizes.growth > 1.0 && sizes.growth <= 4.0))
-    table.refuse("growth", "must lie above 1 and not beyond 4: ratio of neighbouring cells before splitting");
+    table.refuse("growth",
+                 "must lie above 1 and not beyond 4: ratio of neighbouring cells before splitting");
   sizes.splittings = static_cast<int>(table.integer_or("splittings", 1));
   if (sizes.splittings < 0 || sizes.splittings > 4)
-    table.refuse("splittings", "must be 0 to 4: how often every cell of Gmsh's mesh is split into four");
+    table.refuse("splittings",
+                 "must be 0 to 4: how often every cell of Gmsh's mesh is split into four");
   return sizes;
 }
 
 void check_problem(const Document& document, const Problem& problem) {
   if (problem.dimension != 2)
-    document.table("domain").refuse("channel", "the finite element reference is two-dimensional; "
-                                               "give two coordinates");
+    document.table("domain").refuse("channel",
+                                    "the finite element reference is two-dimensional; "
+                                    "give two coordinates");
   if (!problem.viscosity || !(problem.viscosity->dynamic > 0.0))
-    document.root().refuse("viscosity", "the finite element reference needs a viscous fluid; write "
-                                        "[viscosity] dynamic = \"1 Pa s\"");
+    document.root().refuse("viscosity",
+                           "the finite element reference needs a viscous fluid; write "
+                           "[viscosity] dynamic = \"1 Pa s\"");
   int closed = problem.inflow ? 1 : 0;
   if (problem.walls)
     closed += static_cast<int>(problem.walls->no_slip.size() + problem.walls->free_slip.size());
   if (problem.inflow && closed >= 4)
-    document.table("inflow").refuse("side", "what flows in must be able to leave; write [outflow] with a side");
+    document.table("inflow").refuse(
+        "side", "what flows in must be able to leave; write [outflow] with a side");
 }
 
 }  // namespace
@@ -80,8 +90,8 @@ Settings read_settings(Document& document, const Problem& problem) {
     table.refuse("largest_time_step", "must not be smaller than time_step");
   settings.step_tolerance = table.number_or("step_tolerance", 1e-5);
   if (!(settings.step_tolerance > 0.0)) table.refuse("step_tolerance", "must be positive");
-  settings.scheme =
-      scheme_named(table.word_or("time_scheme", {"tr_bdf2", "esdirk3", "backward_euler"}, "tr_bdf2"));
+  settings.scheme = scheme_named(
+      table.word_or("time_scheme", {"tr_bdf2", "esdirk3", "backward_euler"}, "tr_bdf2"));
   settings.starter = starter_of(settings.scheme);
   settings.poisson_ratio = table.number_or("poisson_ratio", 0.4999);
   if (!(settings.poisson_ratio > 0.0 && settings.poisson_ratio <= 0.5))

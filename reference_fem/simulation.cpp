@@ -18,20 +18,23 @@ namespace {
 constexpr double same_time = 1e-9;
 constexpr int max_halvings = 4;  // of a step that Newton's method or the mesh could not take
 
-bool same(double a, double b) { return std::abs(a - b) < same_time * (1.0 + std::abs(b)); }
+bool same(double a, double b) {
+  return std::abs(a - b) < same_time * (1.0 + std::abs(b));
+}
 
 std::vector<Material> materials_of(const Problem& problem, const Settings& settings) {
   std::vector<Material> materials;
   for (const Solid& solid : problem.solids)
-    materials.push_back(Material::from_youngs(settings.law, solid.youngs_modulus, settings.poisson_ratio,
-                                              problem.density));
+    materials.push_back(Material::from_youngs(settings.law, solid.youngs_modulus,
+                                              settings.poisson_ratio, problem.density));
   return materials;
 }
 
 double largest_body(const Problem& problem) {
   double size = 0.0;
   for (const Solid& solid : problem.solids)
-    for (std::size_t d = 0; d < 2; ++d) size = std::max(size, solid.body.to[d] - solid.body.from[d]);
+    for (std::size_t d = 0; d < 2; ++d)
+      size = std::max(size, solid.body.to[d] - solid.body.from[d]);
   return size;
 }
 
@@ -50,7 +53,8 @@ Simulation::Simulation(const Problem& problem, const Settings& settings)
 }
 
 bool Simulation::is_kink(double time) const {
-  return time == 0.0 || (problem_.inflow && problem_.inflow->ramp > 0.0 && same(time, problem_.inflow->ramp));
+  return time == 0.0 ||
+         (problem_.inflow && problem_.inflow->ramp > 0.0 && same(time, problem_.inflow->ramp));
 }
 
 bool Simulation::is_checkpoint(double time) const {
@@ -59,7 +63,8 @@ bool Simulation::is_checkpoint(double time) const {
 
 std::vector<double> Simulation::events() const {
   std::vector<double> times = problem_.probes.all_times;
-  if (problem_.inflow && problem_.inflow->ramp < problem_.end_time) times.push_back(problem_.inflow->ramp);
+  if (problem_.inflow && problem_.inflow->ramp < problem_.end_time)
+    times.push_back(problem_.inflow->ramp);
   for (int i = 1; i * settings_.checkpoint_every < problem_.end_time; ++i)
     times.push_back(i * settings_.checkpoint_every);
   times.push_back(problem_.end_time);
@@ -100,7 +105,8 @@ void Simulation::advance(double event) {
 }
 
 void Simulation::choose_next_step(double tried) {
-  const double size = body_size_ > 0.0 ? body_size_ : problem_.channel.to[1] - problem_.channel.from[1];
+  const double size =
+      body_size_ > 0.0 ? body_size_ : problem_.channel.to[1] - problem_.channel.from[1];
   if (wanted_step_ < settings_.time_step) {
     wanted_step_ = std::min(settings_.time_step, 2.0 * wanted_step_);
     return;
@@ -136,7 +142,8 @@ void Simulation::restore(const Archive& archive) {
   const auto read = [&archive](const char* name, std::vector<double>& values) {
     const auto& stored = std::get<std::vector<double>>(archive.at(name));
     if (!values.empty() && stored.size() != values.size())
-      throw std::runtime_error(std::string("the checkpoint's ") + name + " belongs to another mesh");
+      throw std::runtime_error(std::string("the checkpoint's ") + name +
+                               " belongs to another mesh");
     values = stored;
   };
   read("velocity", state_.now.velocity);
@@ -168,10 +175,10 @@ Manifest manifest_of(const Document& document, const Problem& problem, int threa
   manifest.scene_file = document.file().filename().string();
   manifest.scene_toml = document.resolved_toml();
   manifest.threads = threads;
-  manifest.libraries = {
-      {"deal.II", DEAL_II_PACKAGE_VERSION},
-      {"Gmsh", GMSH_API_VERSION},
-      {"UMFPACK", fmt::format("{}.{}.{}", UMFPACK_MAIN_VERSION, UMFPACK_SUB_VERSION, UMFPACK_SUBSUB_VERSION)}};
+  manifest.libraries = {{"deal.II", DEAL_II_PACKAGE_VERSION},
+                        {"Gmsh", GMSH_API_VERSION},
+                        {"UMFPACK", fmt::format("{}.{}.{}", UMFPACK_MAIN_VERSION,
+                                                UMFPACK_SUB_VERSION, UMFPACK_SUBSUB_VERSION)}};
   manifest.notes["outflow"] =
       "mu grad v n - p n = -p_out n: the traction that leaves a Poiseuille flow undisturbed";
   manifest.notes["force"] =
@@ -221,35 +228,35 @@ void checkpoint(Simulation& simulation, const Measurements& measurements, Record
 /// Marches to the end; returns a sentence if the run had to stop itself.
 std::string march(Simulation& simulation, Measurements& measurements, RecordWriter& record,
                   const RunOptions& options) {
-  const double end = options.until > 0.0 ? std::min(options.until, simulation.problem().end_time)
-                                         : simulation.problem().end_time;
+  const double end = simulation.problem().end_time;
   State& state = simulation.state();
   Effort& effort = simulation.integration().effort();
   Progress progress(options.label, end, state.time);
-  for (double event : simulation.events()) {
-    event = std::min(event, end);
-    while (state.time < event && !same(state.time, event)) {
+  for (const double event : simulation.events()) {
+    if (event < state.time || same(state.time, event)) continue;  // before the resumption
+    while (state.time < event) {
       try {
         simulation.advance(event);
       } catch (const std::runtime_error& error) {
-        return fmt::format("stopped after t = {:.6g} s, step {:.3g} s: {}; use a smaller "
-                           "reference_fem.time_step, finer cells (reference_fem.cell_size) or a larger "
-                           "reference_fem.mesh_stiffening",
-                           state.time, simulation.settings().time_step, error.what());
+        return fmt::format(
+            "stopped after t = {:.6g} s, step {:.3g} s: {}; use a smaller "
+            "reference_fem.time_step, finer cells (reference_fem.cell_size) or a larger "
+            "reference_fem.mesh_stiffening",
+            state.time, simulation.settings().time_step, error.what());
       }
       const Stopwatch watch(effort, "output");
       const StepReport& step = simulation.last_step();
       measurements.each_step(state, simulation.integration().weights(), step);
-      progress.advance(state.time,
-                       fmt::format("dt {:.3g} ms, {} iterations", 1e3 * step.time_step, step.iterations));
+      progress.advance(state.time, fmt::format("dt {:.3g} ms, {} iterations", 1e3 * step.time_step,
+                                               step.iterations));
     }
     const Stopwatch watch(effort, "output");
     const auto& wanted = simulation.problem().probes.all_times;
     if (std::any_of(wanted.begin(), wanted.end(), [&](double t) { return same(state.time, t); }))
       measurements.at(state.time, state);
-    if (simulation.is_checkpoint(state.time) || same(state.time, end))
-      checkpoint(simulation, measurements, record);
-    if (same(state.time, end)) break;
+    if (!simulation.is_checkpoint(state.time) && !same(state.time, end)) continue;
+    checkpoint(simulation, measurements, record);
+    if (options.until > 0.0 && state.time >= options.until) break;
   }
   return {};
 }
@@ -269,8 +276,9 @@ Outcome run(const Document& document, const Problem& problem, const Settings& se
     archive = read_archive(options.out / "checkpoint.h5");
     simulation.restore(archive);
   }
-  RecordWriter record = go_on ? RecordWriter::resume(options.out, manifest, simulation.state().time)
-                              : RecordWriter(options.out, manifest, options.overwrite || options.resume);
+  RecordWriter record =
+      go_on ? RecordWriter::resume(options.out, manifest, simulation.state().time)
+            : RecordWriter(options.out, manifest, options.overwrite || options.resume);
   Measurements measurements(simulation.system(), record);
   if (go_on)
     measurements.restore(archive);

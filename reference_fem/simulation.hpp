@@ -14,7 +14,7 @@ struct RunOptions {
   int threads = 1;
   bool resume = false;
   bool overwrite = false;
-  double until = 0.0;      ///< s; pause here and leave a checkpoint; 0: the scene's end
+  double until = 0.0;               ///< s; pause at the first checkpoint from here on; 0: never
   std::string label = "reference";  ///< what the progress line says
 };
 
@@ -26,7 +26,8 @@ class RunStopped : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Mesh, space, equations and time integration of one scene, in the order in which each needs the last.
+/// Mesh, space, equations and time integration of one scene, in the order in which each needs the
+/// last.
 class Simulation {
  public:
   Simulation(const Problem& problem, const Settings& settings);

@@ -115,9 +115,11 @@ void Space::shape_gradients(const Vec2& unit, double* d_xi, double* d_eta) const
 }
 
 void Space::pressure_values(int cell, const Vec2& position, double* values) const {
-  // Monomials in the undeformed coordinates, scaled by the cell: of full degree k-1 on any quadrilateral.
+  // Monomials in the undeformed coordinates, scaled by the cell: of full degree k-1 on any
+  // quadrilateral.
   const auto c = static_cast<std::size_t>(cell);
-  const double x = (position[0] - center_[c][0]) / size_[c], y = (position[1] - center_[c][1]) / size_[c];
+  const double x = (position[0] - center_[c][0]) / size_[c],
+               y = (position[1] - center_[c][1]) / size_[c];
   int mode = 0;
   for (int total = 0; total < degree_; ++total)
     for (int j = 0; j <= total; ++j) values[mode++] = std::pow(x, total - j) * std::pow(y, j);
@@ -188,7 +190,8 @@ Vec2 evaluate(const Space& space, const std::vector<double>& field, const Place&
   Vec2 result{};
   for (int a = 0; a < space.nodes_per_cell(); ++a) {
     const auto node = 2 * static_cast<std::size_t>(space.cell_nodes(place.cell)[a]);
-    for (std::size_t d = 0; d < 2; ++d) result[d] += n[static_cast<std::size_t>(a)] * field[node + d];
+    for (std::size_t d = 0; d < 2; ++d)
+      result[d] += n[static_cast<std::size_t>(a)] * field[node + d];
   }
   return result;
 }

@@ -1,8 +1,9 @@
 #pragma once
-/// The discrete space: Q_k velocities and displacements, continuous over the whole plane, and pressures that are
-/// polynomials of degree k-1 in each cell, discontinuous. The pair is stable (inf-sup), conserves mass cell
-/// by cell, and lets the pressure jump where fluid meets solid. All integrals are taken over the reference
-/// configuration, whose shape functions and weights are tabulated here once.
+/// The discrete space: Q_k velocities and displacements, continuous over the whole plane, and
+/// pressures that are polynomials of degree k-1 in each cell, discontinuous. The pair is stable
+/// (inf-sup), conserves mass cell by cell, and lets the pressure jump where fluid meets solid. All
+/// integrals are taken over the reference configuration, whose shape functions and weights are
+/// tabulated here once.
 
 #include "reference_fem/mesh.hpp"
 #include "scene/problem.hpp"
@@ -46,8 +47,12 @@ class Space {
   const Vec2& position(int node) const { return position_[static_cast<std::size_t>(node)]; }
 
   const double* value(int q) const { return &value_[index(q, nodes_per_cell_)]; }
-  const double* grad_x(int cell) const { return &grad_x_[index(cell, points_per_cell_ * nodes_per_cell_)]; }
-  const double* grad_y(int cell) const { return &grad_y_[index(cell, points_per_cell_ * nodes_per_cell_)]; }
+  const double* grad_x(int cell) const {
+    return &grad_x_[index(cell, points_per_cell_ * nodes_per_cell_)];
+  }
+  const double* grad_y(int cell) const {
+    return &grad_y_[index(cell, points_per_cell_ * nodes_per_cell_)];
+  }
   const double* weight(int cell) const { return &weight_[index(cell, points_per_cell_)]; }
   const double* pressure_value(int cell) const {
     return &pressure_value_[index(cell, points_per_cell_ * pressures_per_cell_)];

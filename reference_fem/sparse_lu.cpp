@@ -12,7 +12,8 @@ namespace {
 std::array<double, UMFPACK_CONTROL> settings() {
   std::array<double, UMFPACK_CONTROL> control{};
   umfpack_di_defaults(control.data());
-  // The pattern is symmetric and the diagonal is strong: pivots stay on it unless they are far too small.
+  // The pattern is symmetric and the diagonal is strong: pivots stay on it unless they are far too
+  // small.
   control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
   control[UMFPACK_ORDERING] = UMFPACK_ORDERING_METIS;
   // The Newton iteration is the refinement.
@@ -33,7 +34,9 @@ void check(int status, const char* what) {
 
 }  // namespace
 
-SparseLU::~SparseLU() { release(); }
+SparseLU::~SparseLU() {
+  release();
+}
 
 void SparseLU::release() {
   if (numeric_ != nullptr) umfpack_di_free_numeric(&numeric_);
@@ -61,9 +64,10 @@ void SparseLU::solve(const std::vector<double>& b, std::vector<double>& x) const
   auto control = settings();
   std::array<double, UMFPACK_INFO> info{};
   x.resize(b.size());
-  check(umfpack_di_solve(UMFPACK_A, matrix_->start.data(), matrix_->row.data(), matrix_->value.data(),
-                         x.data(), b.data(), numeric_, control.data(), info.data()),
-        "solution");
+  check(
+      umfpack_di_solve(UMFPACK_A, matrix_->start.data(), matrix_->row.data(), matrix_->value.data(),
+                       x.data(), b.data(), numeric_, control.data(), info.data()),
+      "solution");
 }
 
 }  // namespace sprung::reference

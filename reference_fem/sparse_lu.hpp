@@ -1,5 +1,6 @@
 #pragma once
-/// UMFPACK with the analysis of the pattern kept, so that a new factorisation costs only its numbers.
+/// UMFPACK with the analysis of the pattern kept, so that a new factorisation costs only its
+/// numbers.
 
 #include <vector>
 

@@ -43,7 +43,8 @@ StaticSolution solve_static(FluidStructure& system, const std::vector<double>& l
   const auto n = 2 * static_cast<std::size_t>(system.space().nodes());
   StaticSolution solution;
   Fields& f = solution.fields;
-  f = {std::vector<double>(n), std::vector<double>(static_cast<std::size_t>(system.pressure_unknowns())),
+  f = {std::vector<double>(n),
+       std::vector<double>(static_cast<std::size_t>(system.pressure_unknowns())),
        std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
   Residual residual;
   std::vector<double> step, pressure_step;

@@ -1,6 +1,6 @@
 #pragma once
-/// Equilibrium of bodies without inertia, by the equations and elements of the coupled run: with c = 1 s the
-/// "velocity" that the stage solves for is the displacement itself.
+/// Equilibrium of bodies without inertia, by the equations and elements of the coupled run: with c
+/// = 1 s the "velocity" that the stage solves for is the displacement itself.
 
 #include "reference_fem/fluid_structure.hpp"
 
@@ -15,10 +15,10 @@ struct StaticSolution {
   double last_change = 0.0;  ///< m, largest entry of the last correction
 };
 
-/// Displacement and pressure under `load`, reached in `increments` equal parts, Newton's method to a
-/// correction below `tolerance` times the largest displacement. Throws std::runtime_error if it does not
-/// converge, InvertedCell if a cell turns inside out.
-StaticSolution solve_static(FluidStructure& system, const std::vector<double>& load, int increments = 1,
-                            double tolerance = 1e-10);
+/// Displacement and pressure under `load`, reached in `increments` equal parts, Newton's method to
+/// a correction below `tolerance` times the largest displacement. Throws std::runtime_error if it
+/// does not converge, InvertedCell if a cell turns inside out.
+StaticSolution solve_static(FluidStructure& system, const std::vector<double>& load,
+                            int increments = 1, double tolerance = 1e-10);
 
 }  // namespace sprung::reference

@@ -28,15 +28,19 @@ void add(std::vector<double>& y, double factor, const std::vector<double>& x) {
 Stopwatch::Stopwatch(Effort& effort, const char* phase)
     : slot_(effort.seconds[phase]), begin_(processor_seconds()) {}
 
-Stopwatch::~Stopwatch() { slot_ += processor_seconds() - begin_; }
+Stopwatch::~Stopwatch() {
+  slot_ += processor_seconds() - begin_;
+}
 
-TimeIntegration::TimeIntegration(FluidStructure& system, const MeshMotion& motion, NewtonSettings newton)
+TimeIntegration::TimeIntegration(FluidStructure& system, const MeshMotion& motion,
+                                 NewtonSettings newton)
     : system_(system), motion_(motion), newton_(newton) {}
 
 State TimeIntegration::initial_state() const {
   State state;
   const auto n = 2 * static_cast<std::size_t>(system_.space().nodes());
-  state.now = {std::vector<double>(n), std::vector<double>(static_cast<std::size_t>(system_.pressure_unknowns())),
+  state.now = {std::vector<double>(n),
+               std::vector<double>(static_cast<std::size_t>(system_.pressure_unknowns())),
                std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
   return state;
 }
@@ -87,14 +91,16 @@ void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& bas
     }
     ++effort_.iterations;
     const double change = largest(velocity_step) + 0.0 * largest(pressure_step);
-    if (!std::isfinite(change)) throw std::runtime_error("Newton's method met a value that is not finite");
+    if (!std::isfinite(change))
+      throw std::runtime_error("Newton's method met a value that is not finite");
     secants.accelerate(fields.velocity, fields.pressure, velocity_step, pressure_step);
     add(fields.velocity, 1.0, velocity_step);
     add(fields.pressure, 1.0, pressure_step);
     speed_scale_ = std::max(speed_scale_, largest(fields.velocity));
     const double theta = previous > 0.0 ? change / previous : 0.0;
     if (previous > 0.0) contraction_ = std::max(theta, 1e-3);
-    const double remaining = contraction_ < 1.0 ? contraction_ / (1.0 - contraction_) * change : change;
+    const double remaining =
+        contraction_ < 1.0 ? contraction_ / (1.0 - contraction_) * change : change;
     if (remaining <= newton_.tolerance * speed_scale_) {
       update_from_velocity(fields, base_velocity, base_displacement);
       return;
@@ -114,74 +120,106 @@ void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& bas
                            std::to_string(newton_.max_iterations) + " iterations");
 }
 
-void TimeIntegration::step(State& state, const TimeScheme& scheme, double dt) {
-  const std::size_t stages = scheme.c.size();
-  std::vector<std::vector<double>> slope(stages), mesh_velocity(stages);
-  const State& old = state;
-  // Latest state and the one before it, for the stage's first guess.
-  const Fields* last = &old.now;
-  double last_time = old.time;
-  bool has_last_slope = old.slope_known;
-  const std::vector<double>* before_slope = old.has_before ? &old.before_acceleration : nullptr;
-  const std::vector<double>* before_pressure = old.has_before ? &old.before_pressure : nullptr;
-  double before_time = old.before_time;
-  std::vector<Fields> solved(stages);
-  if (scheme.explicit_first) {
-    if (!old.slope_known) throw std::logic_error("the scheme needs a slope to start from");
-    slope[0] = old.now.acceleration;
-    mesh_velocity[0] = old.now.mesh_velocity;
-  }
-  for (std::size_t i = scheme.explicit_first ? 1 : 0; i < stages; ++i) {
-    weights_ = {scheme.gamma * dt, 1.0};
-    const double time = old.time + scheme.c[i] * dt;
-    std::vector<double> base_velocity = old.now.velocity, base_displacement = old.now.displacement;
-    for (std::size_t j = 0; j < i; ++j) {
-      add(base_velocity, dt * scheme.a[i][j], slope[j]);
-      add(base_displacement, dt * scheme.a[i][j], mesh_velocity[j]);
-    }
-    Fields fields = *last;
-    const double s = time - last_time;
-    if (has_last_slope) {
-      add(fields.velocity, s, last->acceleration);
-      if (before_slope != nullptr) {
-        const double bend = s * s / (2.0 * (last_time - before_time));
-        add(fields.velocity, bend, last->acceleration);
-        add(fields.velocity, -bend, *before_slope);
-        const double ratio = s / (last_time - before_time);
-        add(fields.pressure, ratio, last->pressure);
-        add(fields.pressure, -ratio, *before_pressure);
-      }
-    }
-    system_.impose(time, fields.velocity);
-    solve_stage(fields, base_velocity, base_displacement);
-    slope[i] = fields.acceleration;
-    mesh_velocity[i] = fields.mesh_velocity;
-    solved[i] = std::move(fields);
-    if (has_last_slope && last_time < time) {
+namespace {
+
+/// The latest solution and the slope and pressure before it: a stage's first guess is their
+/// extrapolation.
+struct Trend {
+  const Fields* last = nullptr;
+  double last_time = 0.0;
+  bool has_slope = false;  ///< last->acceleration is valid
+  const std::vector<double>* before_slope = nullptr;
+  const std::vector<double>* before_pressure = nullptr;
+  double before_time = 0.0;
+
+  void follow(const Fields& solved, double time) {
+    if (has_slope && last_time < time) {
       before_slope = &last->acceleration;
       before_pressure = &last->pressure;
       before_time = last_time;
     }
-    last = &solved[i];
+    last = &solved;
     last_time = time;
-    has_last_slope = true;
+    has_slope = true;
   }
-  displacement_error_ = 0.0;
-  if (!scheme.embedded.empty()) {
-    std::vector<double> error(old.now.displacement.size(), 0.0);
-    for (std::size_t j = 0; j < stages; ++j)
-      add(error, dt * (scheme.a.back()[j] - scheme.embedded[j]), mesh_velocity[j]);
-    displacement_error_ = largest(error);
+  /// Velocity quadratic, pressure linear in time, as far as known.
+  Fields guess(double time) const {
+    Fields fields = *last;
+    if (!has_slope) return fields;
+    const double s = time - last_time;
+    add(fields.velocity, s, last->acceleration);
+    if (before_slope == nullptr) return fields;
+    const double ratio = s / (last_time - before_time);
+    add(fields.velocity, 0.5 * s * ratio, last->acceleration);
+    add(fields.velocity, -0.5 * s * ratio, *before_slope);
+    add(fields.pressure, ratio, last->pressure);
+    add(fields.pressure, -ratio, *before_pressure);
+    return fields;
   }
+};
+
+/// Largest difference in displacement between the scheme and its embedded formula; 0 if it has
+/// none.
+double embedded_error(const TimeScheme& scheme, double dt, const std::vector<Fields>& solved) {
+  if (scheme.embedded.empty()) return 0.0;
+  double error = 0.0;
+  for (std::size_t i = 0; i < solved.back().displacement.size(); ++i) {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < solved.size(); ++j)
+      sum += (scheme.a.back()[j] - scheme.embedded[j]) * solved[j].mesh_velocity[i];
+    error = std::max(error, std::abs(dt * sum));
+  }
+  return error;
+}
+
+Trend trend_of(const State& state) {
+  Trend trend;
+  trend.last = &state.now;
+  trend.last_time = state.time;
+  trend.has_slope = state.slope_known;
+  if (state.has_before) {
+    trend.before_slope = &state.before_acceleration;
+    trend.before_pressure = &state.before_pressure;
+    trend.before_time = state.before_time;
+  }
+  return trend;
+}
+
+}  // namespace
+
+void TimeIntegration::step(State& state, const TimeScheme& scheme, double dt) {
+  const std::size_t stages = scheme.c.size();
+  // Per stage: the solution, whose acceleration and mesh velocity are the stage's slopes.
+  std::vector<Fields> solved(stages);
+  if (scheme.explicit_first) {
+    if (!state.slope_known) throw std::logic_error("the scheme needs a slope to start from");
+    solved[0] = state.now;
+  }
+  weights_ = {scheme.gamma * dt, 1.0};
+  Trend trend = trend_of(state);
+  for (std::size_t i = scheme.explicit_first ? 1 : 0; i < stages; ++i) {
+    const double time = state.time + scheme.c[i] * dt;
+    std::vector<double> base_velocity = state.now.velocity,
+                        base_displacement = state.now.displacement;
+    for (std::size_t j = 0; j < i; ++j) {
+      add(base_velocity, dt * scheme.a[i][j], solved[j].acceleration);
+      add(base_displacement, dt * scheme.a[i][j], solved[j].mesh_velocity);
+    }
+    solved[i] = trend.guess(time);
+    system_.impose(time, solved[i].velocity);
+    solve_stage(solved[i], base_velocity, base_displacement);
+    trend.follow(solved[i], time);
+  }
+  displacement_error_ = embedded_error(scheme, dt, solved);
   State next;
-  next.time = old.time + dt;
+  next.time = state.time + dt;
   next.slope_known = true;
-  const std::size_t inner = stages - 2;
-  if (stages >= 2 && !solved[inner].velocity.empty()) {
+  if (stages >= 2) {
+    const std::size_t inner = stages - 2;
     next.has_before = true;
-    next.before_time = old.time + scheme.c[inner] * dt;
-    next.before_acceleration = solved[inner].acceleration;
-    next.before_pressure = solved[inner].pressure;
+    next.before_time = state.time + scheme.c[inner] * dt;
+    next.before_acceleration = std::move(solved[inner].acceleration);
+    next.before_pressure = std::move(solved[inner].pressure);
   }
   next.now = std::move(solved.back());
   state = std::move(next);

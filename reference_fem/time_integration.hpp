@@ -1,6 +1,6 @@
 #pragma once
-/// Marches the coupled equations with diagonally implicit Runge-Kutta stages, each solved by Newton's method
-/// with a matrix that is kept until it no longer pays.
+/// Marches the coupled equations with diagonally implicit Runge-Kutta stages, each solved by
+/// Newton's method with a matrix that is kept until it no longer pays.
 
 #include "reference_fem/fluid_structure.hpp"
 #include "reference_fem/mesh_motion.hpp"
@@ -12,8 +12,8 @@
 namespace sprung::reference {
 
 struct NewtonSettings {
-  double tolerance = 1e-6;    ///< last correction's error, relative to the largest speed
-  double slow = 0.5;          ///< a contraction slower than this calls for a new matrix
+  double tolerance = 1e-6;  ///< last correction's error, relative to the largest speed
+  double slow = 0.5;        ///< a contraction slower than this calls for a new matrix
   int max_iterations = 30;
 };
 
@@ -55,8 +55,12 @@ class TimeIntegration {
   /// Throws InvertedCell or std::runtime_error (Newton) and leaves `state` as it was.
   void step(State& state, const TimeScheme& scheme, double dt);
   /// Forgets the matrix, so that a run continued from a checkpoint takes the very same path.
-  void forget_matrix() { matrix_c_ = 0.0; contraction_ = 1.0; }
-  /// Largest embedded error estimate of the last step in displacement (m); 0 if the scheme has none.
+  void forget_matrix() {
+    matrix_c_ = 0.0;
+    contraction_ = 1.0;
+  }
+  /// Largest embedded error estimate of the last step in displacement (m); 0 if the scheme has
+  /// none.
   double displacement_error() const { return displacement_error_; }
   const StageWeights& weights() const { return weights_; }
   /// The largest speed met so far (m/s), to which the Newton tolerance refers.
@@ -76,8 +80,8 @@ class TimeIntegration {
   const MeshMotion& motion_;
   NewtonSettings newton_;
   StageWeights weights_;
-  double matrix_c_ = 0.0;      ///< the c that the matrix was made for; 0: none
-  double contraction_ = 1.0;   ///< of the last stage
+  double matrix_c_ = 0.0;     ///< the c that the matrix was made for; 0: none
+  double contraction_ = 1.0;  ///< of the last stage
   double speed_scale_ = 0.0;
   double displacement_error_ = 0.0;
   mutable Effort effort_;

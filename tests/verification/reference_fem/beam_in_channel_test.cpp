@@ -10,8 +10,9 @@
 namespace sprung::reference {
 namespace {
 
-/// Force on the beam from the momentum that enters and leaves the channel (steady): inflow and outflow of
-/// momentum, pressure and viscous stress on the sides, all by plain integration over the sides.
+/// Force on the beam from the momentum that enters and leaves the channel (steady): inflow and
+/// outflow of momentum, pressure and viscous stress on the sides, all by plain integration over the
+/// sides.
 double force_from_sides(Simulation& simulation) {
   const Space& space = simulation.system().space();
   const Fields& fields = simulation.state().now;
@@ -43,7 +44,8 @@ double force_from_sides(Simulation& simulation) {
       const double vx = (g[2] * f[3] - g[3] * f[2]) / j;
       const Vec2& n = face.normal_weight[q];
       // sigma n - rho v (v . n), x component, acts on the fluid; the beam gets what is left over.
-      force += (-p + 2 * mu * ux) * n[0] + mu * (uy + vx) * n[1] - rho * v[0] * (v[0] * n[0] + v[1] * n[1]);
+      force += (-p + 2 * mu * ux) * n[0] + mu * (uy + vx) * n[1] -
+               rho * v[0] * (v[0] * n[0] + v[1] * n[1]);
     }
   }
   return force;
@@ -56,10 +58,12 @@ TEST(BeamInChannel, SteadyDragBalancesTheMomentumOfTheChannel) {
   Simulation simulation(problem, read_settings(document, problem));
   for (const double event : simulation.events())
     while (simulation.state().time < event) simulation.advance(event);
-  const Vec2 force = simulation.system().force_on(1, simulation.state().now, simulation.integration().weights());
+  const Vec2 force =
+      simulation.system().force_on(1, simulation.state().now, simulation.integration().weights());
   const double sides = force_from_sides(simulation);
   std::printf("drag %.5f N/m, from the sides %.5f N/m\n", force[0], sides);
-  // Both converge to one value; the integrals over the sides, of stresses at walls and corners, more slowly.
+  // Both converge to one value; the integrals over the sides, of stresses at walls and corners,
+  // more slowly.
   EXPECT_NEAR(sides / force[0], 1.0, 0.01);
 }
 

@@ -41,7 +41,8 @@ double pressure_at(Simulation& simulation, double x, double y) {
   space.pressure_values(place.cell, {x, y}, modes.data());
   double p = 0.0;
   for (std::size_t m = 0; m < modes.size(); ++m)
-    p += modes[m] * simulation.state().now.pressure[static_cast<std::size_t>(place.cell) * modes.size() + m];
+    p += modes[m] *
+         simulation.state().now.pressure[static_cast<std::size_t>(place.cell) * modes.size() + m];
   return p;
 }
 
@@ -62,7 +63,8 @@ TEST(Channel, PoiseuilleLeavesUndisturbed) {
   // 12 mu u / H^2 = 66.67 Pa/m (method.md, section 3), nought at the outflow.
   EXPECT_NEAR(pressure_at(simulation, 0.45, 0.15), 12.0 * 0.5 / 0.09 * 0.45, 1e-5);
   EXPECT_NEAR(pressure_at(simulation, 0.9, 0.15), 0.0, 1e-5);
-  const Balance b = balance(simulation.system(), simulation.state().now, simulation.integration().weights());
+  const Balance b =
+      balance(simulation.system(), simulation.state().now, simulation.integration().weights());
   EXPECT_NEAR(b.inflow, 0.15, 1e-10);
   EXPECT_NEAR(b.outflow, 0.15, 1e-10);
   // What goes in is dissipated: 12 mu u^2 / H per metre of channel.
@@ -71,7 +73,8 @@ TEST(Channel, PoiseuilleLeavesUndisturbed) {
 }
 
 /// Centre velocity over its final value in a channel opened to a pressure difference at T = 0
-/// (method.md, section 5): 1 - sum (-1)^n 32 / ((2n+1)^3 pi^3) exp(-(2n+1)^2 pi^2 T/4), T = nu t/a^2.
+/// (method.md, section 5): 1 - sum (-1)^n 32 / ((2n+1)^3 pi^3) exp(-(2n+1)^2 pi^2 T/4), T = nu
+/// t/a^2.
 double startup(double t) {
   double sum = 1.0;
   for (int n = 0; n < 50; ++n) {
@@ -91,7 +94,8 @@ double startup_error(const std::string& scheme, int steps) {
   for (int i = 0; i < steps; ++i) simulation.advance(problem.end_time);
   const Space& space = simulation.system().space();
   const std::vector<double> rest(simulation.state().now.displacement.size(), 0.0);
-  const Vec2 v = evaluate(space, simulation.state().now.velocity, Locator(space, rest).find({0.45, 0.15}));
+  const Vec2 v =
+      evaluate(space, simulation.state().now.velocity, Locator(space, rest).find({0.45, 0.15}));
   const double steady = 1000.0 / 0.9 * 0.15 * 0.15 / (2.0 * 90.0);
   return v[0] / steady - startup(0.5);
 }

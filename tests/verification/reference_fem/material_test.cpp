@@ -48,7 +48,8 @@ TEST_P(EachLaw, TangentIsTheDerivativeOfTheStress) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, EachLaw,
-                         ::testing::Values(MaterialLaw::neo_hookean, MaterialLaw::st_venant_kirchhoff));
+                         ::testing::Values(MaterialLaw::neo_hookean,
+                                           MaterialLaw::st_venant_kirchhoff));
 
 /// A square on rollers at its left and bottom sides, pulled at the right: homogeneous.
 double stretch_under(const Material& material, double traction) {
@@ -61,7 +62,8 @@ double stretch_under(const Material& material, double traction) {
 }
 
 TEST(HomogeneousTension, IncompressibleNeoHookean) {
-  // Plane strain, stretch s against 1/s: nominal stress G (s - s^-3), from W = G/2 (s^2 + s^-2 - 2).
+  // Plane strain, stretch s against 1/s: nominal stress G (s - s^-3), from W = G/2 (s^2 + s^-2 -
+  // 2).
   const double shear = 0.7e6 / 3.0, s = 1.4;
   const Material m = Material::from_youngs(MaterialLaw::neo_hookean, 0.7e6, 0.5, 1000.0);
   EXPECT_TRUE(std::isinf(m.lame));
@@ -70,8 +72,8 @@ TEST(HomogeneousTension, IncompressibleNeoHookean) {
 }
 
 TEST(HomogeneousTension, CompressibleStVenantKirchhoff) {
-  // Plane strain with a free transverse side: S_yy = 0 gives E_yy = -lambda/(lambda + 2G) E_xx, and the
-  // nominal stress is s S_xx = s 4G(lambda + G)/(lambda + 2G) E_xx.
+  // Plane strain with a free transverse side: S_yy = 0 gives E_yy = -lambda/(lambda + 2G) E_xx, and
+  // the nominal stress is s S_xx = s 4G(lambda + G)/(lambda + 2G) E_xx.
   const Material m = Material::from_youngs(MaterialLaw::st_venant_kirchhoff, 0.7e6, 0.4, 1000.0);
   const double g = m.shear_modulus, l = m.lame, s = 1.2, e = 0.5 * (s * s - 1.0);
   EXPECT_NEAR(stretch_under(m, s * 4.0 * g * (l + g) / (l + 2.0 * g) * e), s, 1e-6);

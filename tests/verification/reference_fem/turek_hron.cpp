@@ -19,8 +19,8 @@ using Point2 = dealii::Point<2>;
 constexpr double length = 2.5, height = 0.41, radius = 0.05, half_flag = 0.01, flag_end = 0.6;
 const Point2 center(0.2, 0.2);
 
-/// Cells of a patch given by a map of the unit square, `nx` by `ny` of them; vertices that fall together with
-/// earlier ones are shared.
+/// Cells of a patch given by a map of the unit square, `nx` by `ny` of them; vertices that fall
+/// together with earlier ones are shared.
 class Patches {
  public:
   using Map = std::function<Point2(double, double)>;
@@ -50,14 +50,25 @@ class Patches {
 
 /// Distribution of points over the unit interval.
 using Grading = double (*)(double);
-double even(double s) { return s; }
-double fine_first(double s) { return std::pow(s, 1.6); }
-double fine_last(double s) { return 1.0 - std::pow(1.0 - s, 1.6); }
-double very_fine_first(double s) { return std::pow(s, 2.0); }
+double even(double s) {
+  return s;
+}
+double fine_first(double s) {
+  return std::pow(s, 1.6);
+}
+double fine_last(double s) {
+  return 1.0 - std::pow(1.0 - s, 1.6);
+}
+double very_fine_first(double s) {
+  return std::pow(s, 2.0);
+}
 /// Finer at the cylinder.
-double radial(double t) { return t * (0.7 + 0.3 * t); }
+double radial(double t) {
+  return t * (0.7 + 0.3 * t);
+}
 
-Patches::Map rectangle(double x0, double x1, double y0, double y1, Grading x = even, Grading y = even) {
+Patches::Map rectangle(double x0, double x1, double y0, double y1, Grading x = even,
+                       Grading y = even) {
   return [=](double s, double t) { return Point2(x0 + (x1 - x0) * x(s), y0 + (y1 - y0) * y(t)); };
 }
 
@@ -148,7 +159,8 @@ void make_turek_hron_mesh(Flag flag, int splittings, dealii::Triangulation<2>& m
     if (flag == Flag::elastic && boundary == obstacle_id && !on_circle)
       throw std::logic_error("the blocks of fluid and flag do not meet");
     // A lone flag is free but for its root.
-    face->set_boundary_id(flag == Flag::alone && !on_circle ? static_cast<unsigned>(Side::top) : boundary);
+    face->set_boundary_id(flag == Flag::alone && !on_circle ? static_cast<unsigned>(Side::top)
+                                                            : boundary);
     face->set_manifold_id(on_circle ? circle : dealii::numbers::flat_manifold_id);
   }
   mesh.set_manifold(circle, dealii::SphericalManifold<2>(center));

@@ -1,7 +1,7 @@
 #pragma once
-/// The geometry of Turek and Hron, "Proposal for numerical benchmarking of fluid-structure interaction between an
-/// elastic object and laminar incompressible flow" (2006): channel 2.5 x 0.41 m, cylinder of radius 0.05 m at
-/// (0.2, 0.2), flag 0.35 x 0.02 m behind it.
+/// The geometry of Turek and Hron, "Proposal for numerical benchmarking of fluid-structure
+/// interaction between an elastic object and laminar incompressible flow" (2006): channel 2.5 x
+/// 0.41 m, cylinder of radius 0.05 m at (0.2, 0.2), flag 0.35 x 0.02 m behind it.
 
 #include "reference_fem/mesh.hpp"
 

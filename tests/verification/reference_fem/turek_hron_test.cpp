@@ -79,13 +79,15 @@ Result steady(testing::Flag kind, int splittings) {
   return result;
 }
 
-double percent(double found, double published) { return 100.0 * (found / published - 1.0); }
+double percent(double found, double published) {
+  return 100.0 * (found / published - 1.0);
+}
 
 TEST(TurekHron, CFD1) {
   for (const int splittings : {0, 1}) {
     const Result r = steady(testing::Flag::rigid, splittings);
-    std::printf("CFD1 %7d unknowns: drag %.5f (%+.3f %%), lift %.6f (%+.3f %%)\n", r.unknowns, r.force[0],
-                percent(r.force[0], 14.2929), r.force[1], percent(r.force[1], 1.11905));
+    std::printf("CFD1 %7d unknowns: drag %.5f (%+.3f %%), lift %.6f (%+.3f %%)\n", r.unknowns,
+                r.force[0], percent(r.force[0], 14.2929), r.force[1], percent(r.force[1], 1.11905));
     if (splittings < 2) continue;
     EXPECT_NEAR(r.force[0], 14.2929, allowed * 14.2929);
     EXPECT_NEAR(r.force[1], 1.11905, allowed * 1.11905);
@@ -114,12 +116,14 @@ TEST(TurekHron, CSM1) {
     problem.inflow.reset();
     problem.solids = {flag_solid()};
     FluidStructure system(space, problem, {flag_material()});
-    const StaticSolution solution = solve_static(system, weight_load(space, {0.0, -2.0 * 1000.0}), 4);
+    const StaticSolution solution =
+        solve_static(system, weight_load(space, {0.0, -2.0 * 1000.0}), 4);
     const std::vector<double> rest(solution.fields.displacement.size(), 0.0);
-    const Vec2 tip = evaluate(space, solution.fields.displacement, Locator(space, rest).find({0.6, 0.2}));
+    const Vec2 tip =
+        evaluate(space, solution.fields.displacement, Locator(space, rest).find({0.6, 0.2}));
     std::printf("CSM1 %7d unknowns: ux %.5e (%+.3f %%), uy %.5e (%+.3f %%)\n",
-                system.velocity_unknowns() + system.pressure_unknowns(), tip[0], percent(tip[0], -7.1877e-3),
-                tip[1], percent(tip[1], -66.1023e-3));
+                system.velocity_unknowns() + system.pressure_unknowns(), tip[0],
+                percent(tip[0], -7.1877e-3), tip[1], percent(tip[1], -66.1023e-3));
     if (splittings < 2) continue;
     EXPECT_NEAR(tip[0], -7.1877e-3, allowed * 7.1877e-3);
     EXPECT_NEAR(tip[1], -66.1023e-3, allowed * 66.1023e-3);
@@ -129,10 +133,11 @@ TEST(TurekHron, CSM1) {
 TEST(TurekHron, FSI1) {
   for (const int splittings : {0, 1}) {
     const Result r = steady(testing::Flag::elastic, splittings);
-    std::printf("FSI1 %7d unknowns: ux %.5e (%+.3f %%), uy %.5e (%+.3f %%), drag %.5f (%+.3f %%), "
-                "lift %.6f (%+.3f %%)\n",
-                r.unknowns, r.tip[0], percent(r.tip[0], 0.0227e-3), r.tip[1], percent(r.tip[1], 0.8209e-3),
-                r.force[0], percent(r.force[0], 14.295), r.force[1], percent(r.force[1], 0.7638));
+    std::printf(
+        "FSI1 %7d unknowns: ux %.5e (%+.3f %%), uy %.5e (%+.3f %%), drag %.5f (%+.3f %%), "
+        "lift %.6f (%+.3f %%)\n",
+        r.unknowns, r.tip[0], percent(r.tip[0], 0.0227e-3), r.tip[1], percent(r.tip[1], 0.8209e-3),
+        r.force[0], percent(r.force[0], 14.295), r.force[1], percent(r.force[1], 0.7638));
     if (splittings == 0) continue;
     EXPECT_NEAR(r.tip[0], 0.0227e-3, allowed * 0.0227e-3);
     EXPECT_NEAR(r.tip[1], 0.8209e-3, allowed * 0.8209e-3);
