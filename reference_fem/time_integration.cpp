@@ -47,16 +47,30 @@ State TimeIntegration::initial_state() const {
 
 void TimeIntegration::update_from_velocity(Fields& fields, const std::vector<double>& base_velocity,
                                            const std::vector<double>& base_displacement) const {
-  const double c = weights_.c;
   fields.mesh_velocity = fields.velocity;
   {
     const Stopwatch watch(effort_, "mesh motion");
     motion_.extend(fields.mesh_velocity);
   }
+  integrate(fields, base_velocity, base_displacement);
+}
+
+void TimeIntegration::integrate(Fields& fields, const std::vector<double>& base_velocity,
+                                const std::vector<double>& base_displacement) const {
+  const double c = weights_.c;
   for (std::size_t i = 0; i < fields.velocity.size(); ++i) {
     fields.acceleration[i] = (fields.velocity[i] - base_velocity[i]) / c;
     fields.displacement[i] = base_displacement[i] + c * fields.mesh_velocity[i];
   }
+}
+
+void TimeIntegration::conclude(Fields& fields, const std::vector<double>& base_velocity,
+                               const std::vector<double>& base_displacement) const {
+  for (int n = 0; n < system_.space().nodes(); ++n)
+    if (system_.space().in_solid(n))
+      for (std::size_t i = 2 * static_cast<std::size_t>(n), end = i + 2; i < end; ++i)
+        fields.mesh_velocity[i] = fields.velocity[i];
+  integrate(fields, base_velocity, base_displacement);
 }
 
 void TimeIntegration::linearize(const Fields& fields) {
@@ -102,7 +116,7 @@ void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& bas
     const double remaining =
         contraction_ < 1.0 ? contraction_ / (1.0 - contraction_) * change : change;
     if (remaining <= newton_.tolerance * speed_scale_) {
-      update_from_velocity(fields, base_velocity, base_displacement);
+      conclude(fields, base_velocity, base_displacement);
       return;
     }
     // A matrix made in this stage is made again only if the iteration all but stands still with it.

@@ -72,6 +72,13 @@ class TimeIntegration {
  private:
   void update_from_velocity(Fields& fields, const std::vector<double>& base_velocity,
                             const std::vector<double>& base_displacement) const;
+  /// The last update of a stage: the bodies move by the final velocity, the fluid's mesh stays
+  /// where the last iteration put it. Where it stands is free, as long as its velocity and place
+  /// agree.
+  void conclude(Fields& fields, const std::vector<double>& base_velocity,
+                const std::vector<double>& base_displacement) const;
+  void integrate(Fields& fields, const std::vector<double>& base_velocity,
+                 const std::vector<double>& base_displacement) const;
   void solve_stage(Fields& fields, const std::vector<double>& base_velocity,
                    const std::vector<double>& base_displacement);
   void linearize(const Fields& fields);
