@@ -1,9 +1,10 @@
 #include "calibration/published.hpp"
 
+#include "scene/atomic_file.hpp"
 #include "scene/build.hpp"
+#include "scene/manifest.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <fstream>
 #include <stdexcept>
 
@@ -15,25 +16,6 @@ namespace sprung::calibration {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string utc_now() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  gmtime_r(&now, &parts);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text;
-}
-
-void write_whole(const std::filesystem::path& file, const std::string& text) {
-  const auto part = file.string() + ".part";
-  {
-    std::ofstream out(part, std::ios::binary);
-    out << text;
-    if (!out.flush()) throw std::runtime_error(part + ": cannot be written");
-  }
-  std::filesystem::rename(part, file);
-}
 
 Json read_manifest(const std::filesystem::path& file) {
   std::ifstream in(file);
@@ -89,8 +71,8 @@ void publish(const std::filesystem::path& file, const Sheet& sheet, const Proven
   }
   std::string text = sheet.header + "\n";
   for (const auto& row : sheet.rows) text += row + "\n";
-  write_whole(file, text);
-  write_whole(manifest_file, manifest.dump(2) + "\n");
+  write_text_file(file, text);
+  write_text_file(manifest_file, manifest.dump(2) + "\n");
 }
 
 std::string key_of(const Material& material) {

@@ -133,4 +133,7 @@ class FluidStructure {
   SparseLU lu_;
 };
 
+/// Largest magnitude; not finite if any entry is not.
+double largest(const std::vector<double>& x);
+
 }  // namespace sprung::reference

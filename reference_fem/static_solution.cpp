@@ -22,20 +22,6 @@ std::vector<double> traction_load(const Space& space, Side side, const Vec2& tra
   return load;
 }
 
-namespace {
-
-/// Largest magnitude; not finite if any entry is not.
-double largest(const std::vector<double>& x) {
-  double m = 0.0, sum = 0.0;
-  for (const double value : x) {
-    m = std::max(m, std::abs(value));
-    sum += 0.0 * value;
-  }
-  return m + sum;
-}
-
-}  // namespace
-
 StaticSolution solve_static(FluidStructure& system, const std::vector<double>& load, int increments,
                             double tolerance) {
   constexpr int max_iterations = 40;

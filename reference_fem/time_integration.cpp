@@ -9,16 +9,6 @@
 namespace sprung::reference {
 namespace {
 
-/// Largest magnitude; not finite if any entry is not.
-double largest(const std::vector<double>& x) {
-  double m = 0.0, sum = 0.0;
-  for (const double value : x) {
-    m = std::max(m, std::abs(value));
-    sum += 0.0 * value;
-  }
-  return m + sum;
-}
-
 void add(std::vector<double>& y, double factor, const std::vector<double>& x) {
   for (std::size_t i = 0; i < y.size(); ++i) y[i] += factor * x[i];
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// Files that appear whole or not at all. Private to the library.
+/// Files that appear whole or not at all.
 
 #include <filesystem>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-/// manifest.json: what was run, by which program, where, at what cost. Private to the library.
+/// manifest.json: what was run, by which program, where, at what cost.
 
 #include "scene/record.hpp"
 
