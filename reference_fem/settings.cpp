@@ -45,7 +45,23 @@ MeshSizes read_sizes(const Table& table, const Problem& problem) {
   return sizes;
 }
 
+/// Effects of a scene that this solver does not have.
+void refuse_missing_effects(const Document& document, const Problem& problem) {
+  const auto refuse = [&](const std::string& table) {
+    document.root().refuse(table, "the finite element reference does not have this effect");
+  };
+  if (problem.periodic) refuse("periodic");
+  if (problem.gravity) refuse("gravity");
+  if (!problem.initial_velocity.empty()) refuse("initial");
+  if (!problem.wall_motion.empty()) refuse("wall_motion");
+  if (!problem.curved_walls.empty()) refuse("curved_wall");
+  if (problem.pressure_inflow) refuse("inflow");
+  if (problem.outflow && !problem.outflow->waveform.constant()) refuse("outflow");
+  if (!problem.probes.pressure.empty()) refuse("probes");
+}
+
 void check_problem(const Document& document, const Problem& problem) {
+  refuse_missing_effects(document, problem);
   if (problem.dimension != 2)
     document.table("domain").refuse("channel",
                                     "the finite element reference is two-dimensional; "

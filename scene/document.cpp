@@ -244,6 +244,18 @@ std::vector<std::string> Table::words(const std::string& key,
   return words;
 }
 
+std::vector<std::string> Table::texts(const std::string& key) const {
+  const std::string remedy = "write a list of texts in brackets, each in quotes";
+  const Entry& entry = required(content_->node, key, remedy);
+  std::vector<std::string> texts;
+  for (const auto& element : list_in(*content_->node, entry, remedy)) {
+    const auto* text = std::get_if<std::string>(&element.data);
+    if (!text) refuse_kind(*content_->node, entry, element, "a text", remedy);
+    texts.push_back(*text);
+  }
+  return texts;
+}
+
 bool Table::flag(const std::string& key) const {
   const Entry& entry = required(content_->node, key, "write true or false");
   const auto* flag = std::get_if<bool>(&entry.value.data);
@@ -285,6 +297,22 @@ std::vector<double> Table::quantities(const std::string& key, const Dimension& d
   for (const auto& element : list_in(*content_->node, entry, remedy))
     values.push_back(quantity_in(*content_->node, entry, element, dimension));
   return values;
+}
+
+std::vector<std::vector<double>> Table::quantity_rows(const std::string& key,
+                                                      const Dimension& dimension) const {
+  const std::string remedy =
+      "write a list of lists in brackets, each element of the inner ones " + describe(dimension);
+  const Entry& entry = required(content_->node, key, remedy);
+  std::vector<std::vector<double>> rows;
+  for (const auto& row : list_in(*content_->node, entry, remedy)) {
+    const auto* list = std::get_if<List>(&row.data);
+    if (!list) refuse_kind(*content_->node, entry, row, "a list", remedy);
+    rows.emplace_back();
+    for (const auto& element : *list)
+      rows.back().push_back(quantity_in(*content_->node, entry, element, dimension));
+  }
+  return rows;
 }
 
 std::string Table::word_or(const std::string& key, const std::vector<std::string>& choices,

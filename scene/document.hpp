@@ -32,6 +32,8 @@ class Table {
   std::vector<std::string> keys() const;
 
   std::string text(const std::string& key) const;
+  /// A list of texts.
+  std::vector<std::string> texts(const std::string& key) const;
   /// One of `choices`; anything else is refused with the nearest choice named.
   std::string word(const std::string& key, const std::vector<std::string>& choices) const;
   std::vector<std::string> words(const std::string& key,
@@ -43,6 +45,9 @@ class Table {
   /// SI value of a quantity written with its unit.
   double quantity(const std::string& key, const Dimension& dimension) const;
   std::vector<double> quantities(const std::string& key, const Dimension& dimension) const;
+  /// A list of such lists: points, for instance.
+  std::vector<std::vector<double>> quantity_rows(const std::string& key,
+                                                 const Dimension& dimension) const;
 
   /// The same with a default for numerics; the default is written into the resolved document.
   std::string word_or(const std::string& key, const std::vector<std::string>& choices,

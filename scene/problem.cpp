@@ -81,6 +81,9 @@ class ProblemReader {
     read_domain();
     read_time_and_fluid();
     read_walls();
+    read_periodic();
+    read_curved_walls();
+    read_forcing();
     read_inflow();
     read_outflow();
     read_solids();
@@ -100,7 +103,18 @@ class ProblemReader {
   void read_domain();
   void read_time_and_fluid();
   void read_walls();
+  void read_wall_motion();
+  void read_periodic();
+  void read_curved_walls();
+  CurvedWall read_curved_wall(const Table& table, const std::string& name) const;
+  void read_shape(const Table& table, CurvedWall& wall) const;
+  void read_forcing();
+  Waveform read_waveform(const Table& table) const;
+  std::filesystem::path read_file(const Table& table) const;
+  Point read_vector(const Table& table, const std::string& key, const Dimension& dimension,
+                    const std::string& unit) const;
   void read_inflow();
+  PressureSide read_pressure_side(const Table& table, Side side) const;
   void read_outflow();
   void read_solids();
   Solid read_solid(const Table& table, const std::string& name) const;
@@ -109,6 +123,8 @@ class ProblemReader {
   void read_probe(const Table& table, const std::string& name);
   void read_displacement(const Table& table, const std::string& name);
   void read_profile(const Table& table, const std::string& name);
+  void read_force(const Table& table, const std::string& name);
+  void read_pressure(const Table& table, const std::string& name);
   std::string read_solid_name(const Table& table, const std::string& key) const;
   void read_record();
   double tolerance() const { return relative_tolerance * largest_extent(problem_.channel); }
@@ -131,16 +147,21 @@ Table ProblemReader::required_table(const std::string& name, const std::string& 
   return root_.table(name);
 }
 
-Point ProblemReader::read_point(const Table& table, const std::string& key) const {
-  const auto coordinates = table.quantities(key, dimension::length);
+Point ProblemReader::read_vector(const Table& table, const std::string& key,
+                                 const Dimension& dimension, const std::string& unit) const {
+  const auto coordinates = table.quantities(key, dimension);
   const auto wanted = static_cast<std::size_t>(problem_.dimension);
   if (coordinates.size() != wanted)
     table.refuse(key, std::to_string(coordinates.size()) + " coordinates where the channel has " +
-                          std::to_string(wanted) + "; write " +
-                          (wanted == 2 ? "[\"x m\", \"y m\"]" : "[\"x m\", \"y m\", \"z m\"]"));
+                          std::to_string(wanted) + "; write [\"x " + unit + "\", \"y " + unit +
+                          (wanted == 2 ? "\"]" : "\", \"z " + unit + "\"]"));
   Point point{};
   std::copy(coordinates.begin(), coordinates.end(), point.begin());
   return point;
+}
+
+Point ProblemReader::read_point(const Table& table, const std::string& key) const {
+  return read_vector(table, key, dimension::length, "m");
 }
 
 /// A box as { from = [...], to = [...] }, of positive extent in every direction.
@@ -242,32 +263,188 @@ void ProblemReader::read_walls() {
   if (walls.no_slip.empty() && walls.free_slip.empty())
     table.refuse("", "names no side; write no_slip = [\"bottom\", \"top\"] or remove the table");
   problem_.walls = walls;
+  read_wall_motion();
+}
+
+void ProblemReader::read_wall_motion() {
+  if (!root_.has("wall_motion")) return;
+  const Table all = root_.table("wall_motion");
+  refuse_loose_keys(all, "[wall_motion.top]");
+  for (const auto& name : all.table_names()) {
+    const Table table = all.table(name);
+    WallMotion motion;
+    const auto& walls = problem_.walls ? problem_.walls->no_slip : std::vector<Side>{};
+    const auto at = std::find_if(walls.begin(), walls.end(),
+                                 [&](Side side) { return name == to_string(side); });
+    if (at == walls.end())
+      table.refuse("", "\"" + name + "\" is no no-slip wall; name it in no_slip of [walls]");
+    motion.side = *at;
+    motion.velocity = read_vector(table, "velocity", dimension::velocity, "m/s");
+    if (motion.velocity[static_cast<int>(motion.side) / 2] != 0.0)
+      table.refuse("velocity",
+                   "leads out of the wall's own plane; its part along the normal must "
+                   "be \"0 m/s\"");
+    motion.waveform = read_waveform(table);
+    problem_.wall_motion.push_back(std::move(motion));
+  }
+}
+
+void ProblemReader::read_periodic() {
+  if (!root_.has("periodic")) return;
+  const Table table = root_.table("periodic");
+  Periodic periodic;
+  const std::vector<std::string> names{"x", "y", "z"};
+  const auto axes = table.words("axes", {names.begin(), names.begin() + problem_.dimension});
+  if (axes.empty()) table.refuse("axes", "names no axis; write axes = [\"x\"] or remove the table");
+  for (const auto& axis : axes) {
+    const int d = axis[0] - 'x';
+    periodic.axis[d] = true;
+    claim(table, "axes", static_cast<Side>(2 * d), "[periodic]");
+    claim(table, "axes", static_cast<Side>(2 * d + 1), "[periodic]");
+  }
+  problem_.periodic = periodic;
+}
+
+std::filesystem::path ProblemReader::read_file(const Table& table) const {
+  const std::filesystem::path named = table.text("file");
+  const auto file = named.is_absolute() ? named : document_.file().parent_path() / named;
+  if (!std::filesystem::is_regular_file(file))
+    table.refuse("file", "there is no such file; it is looked for as " + file.string());
+  return file;
+}
+
+Waveform ProblemReader::read_waveform(const Table& table) const {
+  if (!table.has("waveform")) return {};
+  const Table waveform = table.table("waveform");
+  if (waveform.has("formula") == waveform.has("file"))
+    waveform.refuse("", "takes one of { formula = \"sin(2*pi*t)\" } and { file = \"beat.csv\" }");
+  try {
+    if (waveform.has("formula")) return Waveform::from_formula(waveform.text("formula"));
+    return Waveform::from_file(read_file(waveform));
+  } catch (const FormulaError& error) {
+    waveform.refuse("formula", error.what());
+  } catch (const SceneError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    waveform.refuse("file", error.what());
+  }
+}
+
+/// Gravity and the velocity at the start.
+void ProblemReader::read_forcing() {
+  if (root_.has("gravity")) {
+    const Table table = root_.table("gravity");
+    Gravity gravity;
+    gravity.acceleration = read_vector(table, "acceleration", dimension::acceleration, "m/s2");
+    gravity.waveform = read_waveform(table);
+    problem_.gravity = gravity;
+  }
+  if (!root_.has("initial")) return;
+  const Table table = root_.table("initial");
+  const auto components = table.texts("velocity");
+  if (components.size() != static_cast<std::size_t>(problem_.dimension))
+    table.refuse("velocity", std::to_string(components.size()) +
+                                 " formulas where the velocity has " +
+                                 std::to_string(problem_.dimension) +
+                                 " components; write one for each, in m/s, of x, y and z in m");
+  for (const auto& text : components) try {
+      problem_.initial_velocity.emplace_back(text, std::vector<std::string>{"x", "y", "z"});
+    } catch (const FormulaError& error) {
+      table.refuse("velocity", "\"" + text + "\": " + error.what());
+    }
+}
+
+void ProblemReader::read_curved_walls() {
+  if (!root_.has("curved_wall")) return;
+  const Table all = root_.table("curved_wall");
+  refuse_loose_keys(all, "[curved_wall.cylinder]");
+  for (const auto& name : all.table_names()) {
+    const Table table = all.table(name);
+    check_name(table, name, "curved wall");
+    problem_.curved_walls.push_back(read_curved_wall(table, name));
+  }
+}
+
+CurvedWall ProblemReader::read_curved_wall(const Table& table, const std::string& name) const {
+  CurvedWall wall;
+  wall.name = name;
+  read_shape(table, wall);
+  wall.fluid_inside = table.word("fluid", {"inside", "outside"}) == "inside";
+  wall.no_slip = table.word("slip", {"no_slip", "free_slip"}) == "no_slip";
+  return wall;
+}
+
+void ProblemReader::read_shape(const Table& table, CurvedWall& wall) const {
+  const bool plane = problem_.dimension == 2;
+  const std::vector<std::string> kinds = plane ? std::vector<std::string>{"circle", "polygon"}
+                                               : std::vector<std::string>{"cylinder", "surface"};
+  std::vector<std::string> present;
+  for (const auto& kind : kinds)
+    if (table.has(kind)) present.push_back(kind);
+  if (present.size() != 1)
+    table.refuse("", "its shape is " + list_words(kinds, false) + "; write exactly one");
+  if (present[0] == "polygon") {
+    wall.shape = CurvedWall::Shape::polygon;
+    const auto rows = table.quantity_rows("polygon", dimension::length);
+    for (const auto& row : rows) {
+      if (row.size() != 2) table.refuse("polygon", "its corners have two coordinates each");
+      wall.corners.push_back({row[0], row[1], 0.0});
+    }
+    if (rows.size() < 3) table.refuse("polygon", "a polygon has three corners at least");
+    return;
+  }
+  const Table shape = table.table(present[0]);
+  if (present[0] == "surface") {
+    wall.shape = CurvedWall::Shape::surface;
+    wall.file = read_file(shape);
+    return;
+  }
+  wall.radius = positive(shape, "radius", dimension::length);
+  if (plane) {
+    wall.centre = read_point(shape, "centre");
+    return;
+  }
+  wall.shape = CurvedWall::Shape::cylinder;
+  wall.axis = shape.word("axis", {"x", "y", "z"})[0] - 'x';
+  const auto centre = shape.quantities("centre", dimension::length);
+  if (centre.size() != 2)
+    shape.refuse("centre", "has two coordinates, in the plane across the axis");
+  for (int d = 0, k = 0; d < 3; ++d)
+    if (d != wall.axis) wall.centre[d] = centre[k++];
 }
 
 void ProblemReader::read_inflow() {
   if (!root_.has("inflow")) return;
   const Table table = root_.table("inflow");
+  const Side side = side_named(table.word("side", sides_of(problem_.dimension)));
+  claim(table, "side", side, "[inflow]");
+  if (table.has("pressure")) {
+    problem_.pressure_inflow = read_pressure_side(table, side);
+    return;
+  }
   Inflow inflow;
-  inflow.side = side_named(table.word("side", sides_of(problem_.dimension)));
-  claim(table, "side", inflow.side, "[inflow]");
+  inflow.side = side;
   inflow.profile = table.word("profile", {"parabolic", "uniform"}) == "parabolic"
                        ? Inflow::Profile::parabolic
                        : Inflow::Profile::uniform;
   inflow.mean_velocity = positive(table, "mean_velocity", dimension::velocity);
-  inflow.ramp = table.quantity("ramp", dimension::time);
+  if (table.has("ramp")) inflow.ramp = table.quantity("ramp", dimension::time);
   if (inflow.ramp < 0.0)
     table.refuse("ramp", "must not be negative; write \"0 s\" for full speed from the start");
+  inflow.waveform = read_waveform(table);
   problem_.inflow = inflow;
+}
+
+PressureSide ProblemReader::read_pressure_side(const Table& table, Side side) const {
+  return {side, table.quantity("pressure", dimension::pressure), read_waveform(table)};
 }
 
 void ProblemReader::read_outflow() {
   if (!root_.has("outflow")) return;
   const Table table = root_.table("outflow");
-  Outflow outflow;
-  outflow.side = side_named(table.word("side", sides_of(problem_.dimension)));
-  claim(table, "side", outflow.side, "[outflow]");
-  outflow.pressure = table.quantity("pressure", dimension::pressure);
-  problem_.outflow = outflow;
+  const Side side = side_named(table.word("side", sides_of(problem_.dimension)));
+  claim(table, "side", side, "[outflow]");
+  problem_.outflow = read_pressure_side(table, side);
 }
 
 /// Names become file names and names of series.
@@ -337,6 +514,7 @@ void ProblemReader::check_clamp(const Table& table, const Solid& solid) const {
                                 "\" of the channel at " + axis + " = " + number_text(wall) +
                                 " m; move the body there or clamp it to the side that it touches");
   if ((problem_.inflow && problem_.inflow->side == side) ||
+      (problem_.pressure_inflow && problem_.pressure_inflow->side == side) ||
       (problem_.outflow && problem_.outflow->side == side))
     table.refuse("clamped", "fluid passes through the side \"" + name +
                                 "\"; clamp the body to a wall or move the opening");
@@ -358,7 +536,7 @@ void ProblemReader::read_probes() {
 
 void ProblemReader::read_probe(const Table& table, const std::string& name) {
   const std::vector<std::string> kinds{"displacement_of", "velocity_along", "force_on",
-                                       "outline_of"};
+                                       "outline_of", "pressure_at"};
   std::vector<std::string> present;
   for (const auto& kind : kinds)
     if (table.has(kind)) present.push_back(kind);
@@ -378,7 +556,9 @@ void ProblemReader::read_probe(const Table& table, const std::string& name) {
   } else if (present[0] == "velocity_along") {
     read_profile(table, name);
   } else if (present[0] == "force_on") {
-    problem_.probes.force.push_back({name, read_solid_name(table, "force_on")});
+    read_force(table, name);
+  } else if (present[0] == "pressure_at") {
+    read_pressure(table, name);
   } else {
     if (problem_.dimension != 2)
       table.refuse("outline_of", "outlines are for plane problems; remove this probe");
@@ -431,6 +611,35 @@ void ProblemReader::read_profile(const Table& table, const std::string& name) {
   problem_.probes.velocity_profile.push_back(std::move(probe));
 }
 
+void ProblemReader::read_force(const Table& table, const std::string& name) {
+  const std::string on = table.text("force_on");
+  for (const auto& wall : problem_.curved_walls)
+    if (wall.name == on) {
+      problem_.probes.force.push_back({name, "", on});
+      return;
+    }
+  problem_.probes.force.push_back({name, read_solid_name(table, "force_on"), ""});
+}
+
+void ProblemReader::read_pressure(const Table& table, const std::string& name) {
+  PressureProbe probe{name, {}};
+  for (const auto& row : table.quantity_rows("pressure_at", dimension::length)) {
+    Point place{};
+    if (row.size() != static_cast<std::size_t>(problem_.dimension))
+      table.refuse("pressure_at", "each place has " + std::to_string(problem_.dimension) +
+                                      " coordinates, such as [[\"0 m\", \"0 m\"]]");
+    std::copy(row.begin(), row.end(), place.begin());
+    if (!contains(problem_.channel, place, tolerance()))
+      table.refuse("pressure_at", "the point " + point_text(place, problem_.dimension) +
+                                      " lies outside the channel, which reaches " +
+                                      box_text(problem_.channel, problem_.dimension) +
+                                      "; move it inside");
+    probe.places.push_back(place);
+  }
+  if (probe.places.empty()) table.refuse("pressure_at", "names no place");
+  problem_.probes.pressure.push_back(std::move(probe));
+}
+
 std::string ProblemReader::read_solid_name(const Table& table, const std::string& key) const {
   std::vector<std::string> names;
   for (const auto& solid : problem_.solids) names.push_back(solid.name);
@@ -480,7 +689,7 @@ const char* to_string(Side side) {
 }
 
 double Inflow::speed(double s, double height, double t) const {
-  const double start = ramp > 0.0 ? std::clamp(t / ramp, 0.0, 1.0) : 1.0;
+  const double start = (ramp > 0.0 ? std::clamp(t / ramp, 0.0, 1.0) : 1.0) * waveform.value(t);
   if (profile == Profile::uniform) return mean_velocity * start;
   return 6.0 * mean_velocity * s * (height - s) / (height * height) * start;
 }

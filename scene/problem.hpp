@@ -3,6 +3,7 @@
 /// Discretisation ([sph], [numerics], [reference_fem]) is each solver's own.
 
 #include "scene/document.hpp"
+#include "scene/waveform.hpp"
 
 #include <array>
 #include <functional>
@@ -33,21 +34,56 @@ struct Walls {
   std::vector<Side> free_slip;
 };
 
+/// A no-slip wall of the channel that moves in its own plane: velocity x waveform(t).
+struct WallMotion {
+  Side side = Side::top;
+  Point velocity{};  ///< m/s, no part along the normal
+  Waveform waveform;
+};
+
+/// Axes across which both sides of the channel are one.
+struct Periodic {
+  std::array<bool, 3> axis{};
+};
+
+/// A uniform force per mass: acceleration x waveform(t).
+struct Gravity {
+  Point acceleration{};  ///< m/s2
+  Waveform waveform;
+};
+
+/// A rigid wall at rest that need not be flat; the fluid is on one side of it.
+struct CurvedWall {
+  std::string name;
+  enum class Shape { circle, polygon, cylinder, surface } shape = Shape::circle;
+  Point centre{};              ///< circle, cylinder (its coordinate along the axis means nothing)
+  double radius = 0.0;         ///< m
+  int axis = 0;                ///< of a cylinder
+  std::vector<Point> corners;  ///< of a polygon, in order, not repeated at the end
+  std::filesystem::path file;  ///< of a triangulated surface, STL or Gmsh, in metres
+  bool fluid_inside = false;
+  bool no_slip = true;
+};
+
 /// Normal velocity over one side, Eq. 6 of the paper:
-/// profile(s) x mean_velocity x min(t / ramp, 1).
+/// profile(s) x mean_velocity x min(t / ramp, 1) x waveform(t).
 struct Inflow {
   Side side = Side::left;
   enum class Profile { parabolic, uniform } profile = Profile::parabolic;
   double mean_velocity = 0.0;  ///< m/s
   double ramp = 0.0;           ///< s; 0 means full speed from the start
+  Waveform waveform;
   /// Speed at distance `s` (m) along a side of length `height` (m) at time `t` (s). Eq. 6 read as
   /// the parabola of mean `mean_velocity`: 6 u s (H - s) / H^2.
   double speed(double s, double height, double t) const;
 };
 
-struct Outflow {
+/// A side held at pressure x waveform(t), through which fluid may pass either way.
+struct PressureSide {
   Side side = Side::right;
   double pressure = 0.0;  ///< Pa
+  Waveform waveform;
+  double pressure_at(double time) const { return pressure * waveform.value(time); }
 };
 
 /// An elastic body of rectangular shape, incompressible, with the fluid's density.
@@ -73,11 +109,18 @@ struct VelocityProfileProbe {
   std::vector<double> times;
 };
 
-/// Force of the fluid on a solid, components along the axes; N per metre of depth in a plane
-/// problem.
+/// Force of the fluid on a solid or on a curved wall, components along the axes; N per metre of
+/// depth in a plane problem.
 struct ForceProbe {
   std::string name;
-  std::string solid;
+  std::string solid;        ///< empty when it is a curved wall
+  std::string curved_wall;  ///< empty when it is a solid
+};
+
+/// Pressure (Pa) at fixed places.
+struct PressureProbe {
+  std::string name;
+  std::vector<Point> places;
 };
 
 /// Where the material points of a body's wetted outline have moved to, at `times`. Points are
@@ -93,6 +136,7 @@ struct Probes {
   std::vector<DisplacementProbe> displacement;
   std::vector<VelocityProfileProbe> velocity_profile;
   std::vector<ForceProbe> force;
+  std::vector<PressureProbe> pressure;
   std::vector<OutlineProbe> outline;
   /// Every time at which some probe or field output wants the state, ascending, without repeats.
   std::vector<double> all_times;
@@ -107,8 +151,15 @@ struct Problem {
   double density = 0.0;   ///< kg/m3, fluid and solid alike
   std::optional<Viscosity> viscosity;
   std::optional<Walls> walls;
-  std::optional<Inflow> inflow;
-  std::optional<Outflow> outflow;
+  std::vector<WallMotion> wall_motion;
+  std::vector<CurvedWall> curved_walls;
+  std::optional<Periodic> periodic;
+  std::optional<Gravity> gravity;
+  /// Velocity at the start (m/s), one formula of x, y, z (m) a component; empty: at rest.
+  std::vector<Formula> initial_velocity;
+  std::optional<Inflow> inflow;                 ///< [inflow] with a velocity
+  std::optional<PressureSide> pressure_inflow;  ///< [inflow] with a pressure
+  std::optional<PressureSide> outflow;
   std::vector<Solid> solids;
   Probes probes;
   double fields_every = 0.0;  ///< s between field snapshots; 0: only at the probes' times

@@ -46,6 +46,9 @@ void add_boundaries(const Problem& problem, Facts& facts) {
     outflow =
         fmt::format("{}, {} Pa", to_string(problem.outflow->side), text(problem.outflow->pressure));
   }
+  if (problem.pressure_inflow)
+    inflow = fmt::format("{}, {} Pa", to_string(problem.pressure_inflow->side),
+                         text(problem.pressure_inflow->pressure));
   facts.emplace_back("inflow", inflow);
   facts.emplace_back("outflow", outflow);
 }
@@ -60,7 +63,7 @@ void add_probes(const Probes& probes, Facts& facts) {
                                    text(probe.to), probe.points, text(probe.times)));
   }
   for (const auto& probe : probes.force) {
-    facts.emplace_back("probe " + probe.name, "force on " + probe.solid);
+    facts.emplace_back("probe " + probe.name, "force on " + probe.solid + probe.curved_wall);
   }
   for (const auto& probe : probes.outline) {
     facts.emplace_back("probe " + probe.name,

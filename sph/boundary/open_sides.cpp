@@ -103,7 +103,7 @@ double InflowSide<dim>::flux(double time) const {
 }
 
 template <int dim>
-OutflowSide<dim>::OutflowSide(const Outflow& outflow, const Box& channel, double spacing,
+OutflowSide<dim>::OutflowSide(const PressureSide& outflow, const Box& channel, double spacing,
                               double reach, double density)
     : plane_(open_plane<dim>(channel, outflow.side)),
       low_(as_vector<dim>(channel.from)),

@@ -61,7 +61,7 @@ class InflowSide {
 template <int dim>
 class OutflowSide {
  public:
-  OutflowSide(const Outflow& outflow, const Box& channel, double spacing, double reach,
+  OutflowSide(const PressureSide& outflow, const Box& channel, double spacing, double reach,
               double density);
   void fill(Particles<dim>& particles) const;
   void exchange(Particles<dim>& particles, ParticleBooks& books) const;

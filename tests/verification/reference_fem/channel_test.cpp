@@ -16,7 +16,7 @@ Problem channel() {
   problem.density = 1000.0;
   problem.viscosity = Viscosity{1.0};
   problem.walls = Walls{{Side::bottom, Side::top}, {}};
-  problem.outflow = Outflow{};
+  problem.outflow = PressureSide{};
   return problem;
 }
 

@@ -26,7 +26,7 @@ Problem channel() {
   problem.viscosity = Viscosity{1.0};
   problem.walls = Walls{{Side::bottom, Side::top}, {}};
   problem.inflow = Inflow{Side::left, Inflow::Profile::parabolic, mean_velocity, 2.0};
-  problem.outflow = Outflow{};
+  problem.outflow = PressureSide{};
   return problem;
 }
 
