@@ -28,6 +28,7 @@ struct FluidStructure::Kernel {
   const FluidStructure& system;
   const Fields& fields;
   const StageWeights& weights;
+  Vec2 gravity{};  ///< m/s2
 
   struct Local {
     double vx[na], vy[na], ux[na], uy[na], gx[na], gy[na], ax[na], ay[na], p[np];
@@ -116,8 +117,8 @@ struct FluidStructure::Kernel {
     spatial_gradient(s, d);
     const double c0 = s.v[0] - s.g[0], c1 = s.v[1] - s.g[1];
     const double rho_j = system.problem_.density * s.j, mu = system.viscosity_;
-    b[0] = rho_j * (weights.inertia * s.a[0] + c0 * d[0] + c1 * d[1]);
-    b[1] = rho_j * (weights.inertia * s.a[1] + c0 * d[2] + c1 * d[3]);
+    b[0] = rho_j * (weights.inertia * s.a[0] - gravity[0] + c0 * d[0] + c1 * d[1]);
+    b[1] = rho_j * (weights.inertia * s.a[1] - gravity[1] + c0 * d[2] + c1 * d[3]);
     const double s00 = 2 * mu * d[0] - s.p, s01 = mu * (d[1] + d[2]), s11 = 2 * mu * d[3] - s.p;
     const double cof[4] = {s.f[3], -s.f[2], -s.f[1], s.f[0]};
     stress[0] = s00 * cof[0] + s01 * cof[2], stress[1] = s00 * cof[1] + s01 * cof[3];
@@ -129,8 +130,8 @@ struct FluidStructure::Kernel {
                    double& constraint) const {
     const Matrix2 f = {s.f[0], s.f[1], s.f[2], s.f[3]};
     const Matrix2 shape = m.shape_stress(f), h = m.volume_gradient(f);
-    b[0] = weights.inertia * m.density * s.a[0];
-    b[1] = weights.inertia * m.density * s.a[1];
+    b[0] = m.density * (weights.inertia * s.a[0] - gravity[0]);
+    b[1] = m.density * (weights.inertia * s.a[1] - gravity[1]);
     for (std::size_t i = 0; i < 4; ++i) stress[i] = shape[i] - s.p * h[i];
     // Divided by c, it answers a change of velocity as the fluid's constraint does.
     constraint = (m.volume_strain(f) + s.p / m.lame) / weights.c;
@@ -296,6 +297,15 @@ FluidStructure::FluidStructure(const Space& space, const Problem& problem,
   for (int n = 0; n < space.nodes(); ++n)
     if (space.in_solid(n) && space.in_fluid(n))
       wetted_nodes_[static_cast<std::size_t>(space.solid_of(n))][static_cast<std::size_t>(n)] = 1;
+  wall_nodes_.assign(problem.curved_walls.size(),
+                     std::vector<char>(static_cast<std::size_t>(space.nodes()), 0));
+  // A node on two walls counts for the first.
+  for (int n = 0; n < space.nodes(); ++n)
+    for (std::size_t wall = 0; wall < wall_nodes_.size(); ++wall)
+      if (space.in_fluid(n) && !space.in_solid(n) && space.on_obstacle(n, static_cast<int>(wall))) {
+        wall_nodes_[wall][static_cast<std::size_t>(n)] = 1;
+        break;
+      }
 }
 
 void FluidStructure::number_unknowns() {
@@ -360,6 +370,12 @@ void FluidStructure::impose(double time, std::vector<double>& velocity) const {
     for (int d = 0; d < 2; ++d)
       if (unknown(n, d) < 0)
         velocity[2 * static_cast<std::size_t>(n) + static_cast<std::size_t>(d)] = 0.0;
+  for (const WallMotion& motion : problem_.wall_motion)
+    for (int n = 0; n < space_.nodes(); ++n)
+      if (space_.on_side(n, motion.side) && !space_.in_solid(n))
+        for (std::size_t d = 0; d < 2; ++d)
+          velocity[2 * static_cast<std::size_t>(n) + d] =
+              motion.velocity[d] * motion.waveform.value(time);
   if (!problem_.inflow) return;
   const Inflow& inflow = *problem_.inflow;
   const std::size_t normal = (inflow.side == Side::left || inflow.side == Side::right) ? 0 : 1;
@@ -379,17 +395,23 @@ void FluidStructure::impose(double time, std::vector<double>& velocity) const {
 }
 
 bool FluidStructure::is_open(unsigned boundary) const {
-  if (boundary == obstacle_id) return false;
+  if (boundary >= free_id) return false;
   const Side side = static_cast<Side>(boundary);
   if (problem_.inflow && problem_.inflow->side == side) return false;
   return !(problem_.walls &&
            (contains(problem_.walls->no_slip, side) || contains(problem_.walls->free_slip, side)));
 }
 
-double FluidStructure::open_pressure(unsigned boundary) const {
-  return problem_.outflow && static_cast<unsigned>(problem_.outflow->side) == boundary
-             ? problem_.outflow->pressure
-             : 0.0;
+double FluidStructure::open_pressure(unsigned boundary, double time) const {
+  for (const auto& side : {problem_.outflow, problem_.pressure_inflow})
+    if (side && static_cast<unsigned>(side->side) == boundary) return side->pressure_at(time);
+  return 0.0;
+}
+
+Vec2 FluidStructure::gravity(double time) const {
+  if (!problem_.gravity) return {};
+  const double factor = problem_.gravity->waveform.value(time);
+  return {factor * problem_.gravity->acceleration[0], factor * problem_.gravity->acceleration[1]};
 }
 
 namespace {
@@ -426,16 +448,17 @@ FacePoint face_point(const Space& space, const BoundaryFace& face, std::size_t q
 
 }  // namespace
 
-void FluidStructure::add_open_boundary(const Fields& fields, Residual& result) const {
+void FluidStructure::add_open_boundary(const Fields& fields, double time, Residual& result) const {
   const auto na = static_cast<std::size_t>(space_.nodes_per_cell());
   for (const BoundaryFace& face : space_.boundary()) {
     if (space_.body(face.cell) != 0 || !is_open(face.boundary)) continue;
+    const double pressure = open_pressure(face.boundary, time);
     for (std::size_t q = 0; q < face.normal_weight.size(); ++q) {
       const FacePoint s = face_point(space_, face, q, fields);
       const Vec2& n = face.normal_weight[q];
       for (std::size_t i = 0; i < 2; ++i) {
-        const double traction = -open_pressure(face.boundary) * n[i] +
-                                viscosity_ * (s.grad[i] * n[0] + s.grad[2 + i] * n[1]);
+        const double traction =
+            -pressure * n[i] + viscosity_ * (s.grad[i] * n[0] + s.grad[2 + i] * n[1]);
         for (std::size_t a = 0; a < na; ++a)
           result.momentum[2 * static_cast<std::size_t>(space_.cell_nodes(face.cell)[a]) + i] -=
               traction * face.value[q * na + a];
@@ -479,9 +502,9 @@ void FluidStructure::residual(const Fields& fields, const StageWeights& weights,
     });
   };
   if (space_.degree() == 2)
-    run(Kernel<2>{*this, fields, weights});
+    run(Kernel<2>{*this, fields, weights, gravity(weights.time)});
   else
-    run(Kernel<3>{*this, fields, weights});
+    run(Kernel<3>{*this, fields, weights, gravity(weights.time)});
   result.momentum.assign(2 * static_cast<std::size_t>(space_.nodes()), 0.0);
   result.continuity.resize(cells * np);
   for (std::size_t c = 0; c < cells; ++c) {
@@ -493,7 +516,7 @@ void FluidStructure::residual(const Fields& fields, const StageWeights& weights,
     }
     for (std::size_t m = 0; m < np; ++m) result.continuity[c * np + m] = r[2 * na + m];
   }
-  add_open_boundary(fields, result);
+  add_open_boundary(fields, weights.time, result);
   for (std::size_t i = 0; i < load_.size(); ++i) result.momentum[i] -= load_[i];
 }
 
@@ -516,9 +539,9 @@ void FluidStructure::linearize(const Fields& fields, const StageWeights& weights
     });
   };
   if (space_.degree() == 2)
-    run(Kernel<2>{*this, fields, weights});
+    run(Kernel<2>{*this, fields, weights, gravity(weights.time)});
   else
-    run(Kernel<3>{*this, fields, weights});
+    run(Kernel<3>{*this, fields, weights, gravity(weights.time)});
   std::fill(matrix_.value.begin(), matrix_.value.end(), 0.0);
   for (std::size_t e = 0; e < entry_.size(); ++e)
     if (entry_[e] >= 0) matrix_.value[static_cast<std::size_t>(entry_[e])] += condensed[e];
@@ -582,9 +605,9 @@ Vec2 FluidStructure::force_on(const std::vector<char>& nodes, const Fields& fiel
         }))
       continue;
     if (space_.degree() == 2)
-      Kernel<2>{*this, fields, weights}.residual(c, r.data());
+      Kernel<2>{*this, fields, weights, gravity(weights.time)}.residual(c, r.data());
     else
-      Kernel<3>{*this, fields, weights}.residual(c, r.data());
+      Kernel<3>{*this, fields, weights, gravity(weights.time)}.residual(c, r.data());
     for (int a = 0; a < na; ++a)
       for (int d = 0; d < 2; ++d)
         if (counts(cell[a], d))
@@ -602,7 +625,7 @@ double FluidStructure::boundary_power(const Fields& fields, const StageWeights& 
   // The open sides' tractions stand in the residual with a minus sign.
   Residual open;
   open.momentum.assign(unknown_.size(), 0.0);
-  add_open_boundary(fields, open);
+  add_open_boundary(fields, weights.time, open);
   for (std::size_t i = 0; i < unknown_.size(); ++i) power -= open.momentum[i] * fields.velocity[i];
   return power;
 }

@@ -59,6 +59,7 @@ struct Fields {
 struct StageWeights {
   double c = 0.0;        ///< s
   double inertia = 1.0;  ///< 0 for a static problem
+  double time = 0.0;     ///< s, at which gravity and the pressures on open sides are taken
 };
 
 struct Residual {
@@ -86,6 +87,8 @@ class FluidStructure {
 
   /// Writes the prescribed velocities at `time` into `velocity`.
   void impose(double time, std::vector<double>& velocity) const;
+  /// Acceleration of gravity at `time`, m/s2.
+  Vec2 gravity(double time) const;
   /// Adds a dead load (N/m per node component) to the right side; empty for none.
   void set_load(std::vector<double> load) { load_ = std::move(load); }
 
@@ -101,6 +104,11 @@ class FluidStructure {
   Vec2 force_on(int body, const Fields& fields, const StageWeights& weights) const {
     return force_on(wetted_nodes_[static_cast<std::size_t>(body)], fields, weights);
   }
+  /// Force of the fluid on Problem::curved_walls[wall]; a node that a body shares counts as the
+  /// body's, so the sum over both is the force on the two together.
+  Vec2 force_on_wall(int wall, const Fields& fields, const StageWeights& weights) const {
+    return force_on(wall_nodes_[static_cast<std::size_t>(wall)], fields, weights);
+  }
   /// The same on any set of wetted nodes, marked by 1.
   Vec2 force_on(const std::vector<char>& nodes, const Fields& fields,
                 const StageWeights& weights) const;
@@ -114,9 +122,9 @@ class FluidStructure {
   struct Kernel;
   void number_unknowns();
   void build_pattern();
-  double open_pressure(unsigned boundary) const;
+  double open_pressure(unsigned boundary, double time) const;
   bool is_open(unsigned boundary) const;
-  void add_open_boundary(const Fields& fields, Residual& result) const;
+  void add_open_boundary(const Fields& fields, double time, Residual& result) const;
   void add_open_boundary_matrix(const Fields& fields);
 
   const Space& space_;
@@ -129,6 +137,7 @@ class FluidStructure {
   std::vector<int> entry_;  ///< per cell and local pair, row by row: place in matrix_.value, or -1
   std::vector<double> inverse_c_b2_, b1_, inverse_c_;  ///< per cell, to recover the pressure
   std::vector<std::vector<char>> wetted_nodes_;        ///< per body
+  std::vector<std::vector<char>> wall_nodes_;          ///< per curved wall
   mutable std::vector<double> local_;  ///< per cell residuals, written in parallel, summed in order
   SparseLU lu_;
 };

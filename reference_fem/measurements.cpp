@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 namespace sprung::reference {
@@ -44,8 +45,8 @@ std::array<double, 2> principal_stretches(const Matrix2& f) {
   return {0.5 * (a - b), 0.5 * (a + b)};
 }
 
-void add_fluid(const FluidStructure& system, const Sample& s, double w, Balance& sum,
-               double& area) {
+void add_fluid(const FluidStructure& system, const Sample& s, double w, const Vec2& gravity,
+               Balance& sum) {
   const double j = determinant(s.f);
   const Matrix2 c = cofactor(s.f);
   Matrix2 d{};  // d v_i / d x_j
@@ -59,13 +60,16 @@ void add_fluid(const FluidStructure& system, const Sample& s, double w, Balance&
       w * j * system.viscosity() * (2 * d[0] * d[0] + 2 * d[3] * d[3] + shear * shear);
   sum.rms_divergence += w * j * (d[0] + d[3]) * (d[0] + d[3]);
   sum.smallest_volume_ratio = std::min(sum.smallest_volume_ratio, j);
-  area += w * j;
+  sum.fluid_area += w * j;
+  sum.power += w * j * rho * (gravity[0] * s.v[0] + gravity[1] * s.v[1]);
 }
 
-void add_solid(const Material& material, const Sample& s, double w, Balance& sum) {
+void add_solid(const Material& material, const Sample& s, double w, const Vec2& gravity,
+               Balance& sum) {
   sum.kinetic_solid += w * 0.5 * material.density * (s.v[0] * s.v[0] + s.v[1] * s.v[1]);
   // Of the volume strain only the part that the pressure sees stores energy: lambda/2 (p/lambda)^2.
   sum.elastic += w * (material.shape_energy(s.f) + 0.5 * s.p * s.p / material.lame);
+  sum.power += w * material.density * (gravity[0] * s.v[0] + gravity[1] * s.v[1]);
   sum.solid_area += w * determinant(s.f);
   sum.solid_area_at_rest += w;
   const auto [least, most] = principal_stretches(s.f);
@@ -105,21 +109,27 @@ int body_named(const Problem& problem, const std::string& name) {
   throw std::logic_error("no body named " + name);
 }
 
+int wall_named(const Problem& problem, const std::string& name) {
+  for (std::size_t i = 0; i < problem.curved_walls.size(); ++i)
+    if (problem.curved_walls[i].name == name) return static_cast<int>(i);
+  throw std::logic_error("no curved wall named " + name);
+}
+
 }  // namespace
 
 Balance balance(const FluidStructure& system, const Fields& fields, const StageWeights& weights) {
   const Space& space = system.space();
   Balance sum;
-  double area = 0.0;
+  const Vec2 gravity = system.gravity(weights.time);
   for (int c = 0; c < space.cells(); ++c)
     for (int q = 0; q < space.points_per_cell(); ++q) {
       const Sample s = sample(space, fields, c, q);
       if (space.body(c) == 0)
-        add_fluid(system, s, space.weight(c)[q], sum, area);
+        add_fluid(system, s, space.weight(c)[q], gravity, sum);
       else
-        add_solid(system.material(space.body(c)), s, space.weight(c)[q], sum);
+        add_solid(system.material(space.body(c)), s, space.weight(c)[q], gravity, sum);
     }
-  if (area > 0.0) sum.rms_divergence = std::sqrt(sum.rms_divergence / area);
+  if (sum.fluid_area > 0.0) sum.rms_divergence = std::sqrt(sum.rms_divergence / sum.fluid_area);
   add_boundary(system, fields, sum);
   sum.power += system.boundary_power(fields, weights);
   return sum;
@@ -144,6 +154,19 @@ Measurements::Measurements(const FluidStructure& system, RecordWriter& record)
   }
   for (const auto& probe : problem.probes.force)
     record_.declare_series(probe.name, {{"time", "s"}, {"force_x", "N/m"}, {"force_y", "N/m"}});
+  for (const auto& probe : problem.probes.pressure) {
+    std::vector<Column> columns = {{"time", "s"}};
+    std::vector<std::vector<Place>> places;
+    for (std::size_t i = 0; i < probe.places.size(); ++i) {
+      columns.push_back({fmt::format("pressure_{}", i), "Pa"});
+      places.push_back(at_rest.find_all({probe.places[i][0], probe.places[i][1]}));
+      if (places.back().empty())
+        throw std::runtime_error(fmt::format("probe {}: the point ({}, {}) m is in no cell",
+                                             probe.name, probe.places[i][0], probe.places[i][1]));
+    }
+    pressure_places_.push_back(std::move(places));
+    record_.declare_series(probe.name, columns);
+  }
   for (const auto& probe : problem.probes.outline) {
     const Solid& solid =
         problem.solids[static_cast<std::size_t>(body_named(problem, probe.solid)) - 1];
@@ -183,9 +206,13 @@ void Measurements::each_step(const State& state, const StageWeights& weights,
   }
   if (!state.slope_known) return;
   for (const auto& probe : problem.probes.force) {
-    const Vec2 f = system_.force_on(body_named(problem, probe.solid), state.now, weights);
+    const Vec2 f =
+        probe.solid.empty()
+            ? system_.force_on_wall(wall_named(problem, probe.curved_wall), state.now, weights)
+            : system_.force_on(body_named(problem, probe.solid), state.now, weights);
     record_.append(probe.name, std::array{t, f[0], f[1]});
   }
+  append_pressures(state);
   const Balance b = balance(system_, state.now, weights);
   const double half = 0.5 * (t - time_);
   excess_ += half * (excess_rate_ + b.outflow - b.inflow);
@@ -205,6 +232,28 @@ void Measurements::each_step(const State& state, const StageWeights& weights,
   record_.append(
       "ledger_solver",
       std::array{t, step.time_step, static_cast<double>(step.iterations), b.smallest_volume_ratio});
+}
+
+void Measurements::append_pressures(const State& state) {
+  const auto& probes = system_.problem().probes.pressure;
+  if (probes.empty()) return;
+  const bool moves = !system_.problem().solids.empty();
+  std::optional<Locator> locator;
+  if (moves) locator.emplace(system_.space(), state.now.displacement);
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    std::vector<double> row = {state.time};
+    for (std::size_t k = 0; k < probes[i].places.size(); ++k) {
+      const Point& x = probes[i].places[k];
+      if (moves) pressure_places_[i][k] = locator->find_all({x[0], x[1]});
+      if (pressure_places_[i][k].empty())
+        throw std::runtime_error(
+            fmt::format("probe {}: the point ({}, {}) m is in no cell at t = "
+                        "{} s",
+                        probes[i].name, x[0], x[1], state.time));
+      row.push_back(evaluate_pressure(system_.space(), state.now.pressure, pressure_places_[i][k]));
+    }
+    record_.append(probes[i].name, row);
+  }
 }
 
 void Measurements::at(double time, const State& state) {

@@ -12,7 +12,8 @@ struct Balance {
   double kinetic_fluid = 0.0, kinetic_solid = 0.0;  ///< J/m
   double elastic = 0.0;                             ///< J/m
   double dissipation = 0.0;                         ///< W/m
-  double power = 0.0;  ///< W/m, put in through the sides, less what is carried out
+  double power = 0.0;       ///< W/m, put in through the sides, less what is carried out
+  double fluid_area = 0.0;  ///< m2
   double solid_area = 0.0, solid_area_at_rest = 0.0;  ///< m2
   double min_stretch = 1.0, max_stretch = 1.0;        ///< smallest and largest principal stretch
   double rms_divergence = 0.0;                        ///< 1/s
@@ -39,6 +40,7 @@ class Measurements {
   void restore(const Archive& archive);
 
  private:
+  void append_pressures(const State& state);
   void write_profile(const VelocityProfileProbe& probe, double time, const State& state);
   void write_outline(const OutlineProbe& probe, double time, const State& state);
   void write_fields(double time, const State& state);
@@ -46,6 +48,7 @@ class Measurements {
   const FluidStructure& system_;
   RecordWriter& record_;
   std::vector<Place> displacement_places_;
+  std::vector<std::vector<std::vector<Place>>> pressure_places_;  ///< while no body moves the mesh
   std::vector<std::vector<Place>> outline_places_;
   std::vector<std::vector<Point>> outline_points_;
   // Running integrals, by the trapezoidal rule, and the rates at their last point.

@@ -1,5 +1,7 @@
 #include "reference_fem/mesh.hpp"
 
+#include "reference_fem/cylinder_mesh.hpp"
+
 #include <deal.II/grid/grid_tools.h>
 
 #include <gmsh.h>
@@ -304,6 +306,14 @@ MeshSizes coarsened(MeshSizes sizes) {
 
 MeshQuality make_mesh(const Problem& problem, const MeshSizes& sizes,
                       dealii::Triangulation<2>& mesh) {
+  if (!problem.curved_walls.empty()) {
+    const auto blocks = cylinder_in_channel(problem, sizes.bodies_only);
+    if (!blocks)
+      throw std::runtime_error(
+          "the reference meshes curved walls only as one circle with at most one flag behind it");
+    make_cylinder_mesh(*blocks, sizes, mesh);
+    return check_quality(mesh);
+  }
   std::vector<dealii::Point<2>> vertices;
   std::vector<dealii::CellData<2>> cells;
   {

@@ -18,13 +18,17 @@ struct MeshSizes {
   double face = 0.0;
   double growth = 0.0;  ///< ratio of neighbours in Gmsh's mesh
   int splittings = 0;  ///< Gmsh makes cells 2^splittings larger, each then split so often into four
+  bool bodies_only = false;  ///< leave the fluid out
 };
 
 /// Material id of a cell: 0 is fluid, i + 1 is Problem::solids[i].
 inline constexpr unsigned fluid_id = 0;
-/// Boundary ids below it are Sides; this is the rim of a hole in the plane: a rigid obstacle,
-/// no-slip, to which a body may be fixed.
-inline constexpr unsigned obstacle_id = 6;
+/// Boundary ids below it are Sides; this is the free face of a body without fluid around it.
+inline constexpr unsigned free_id = 6;
+/// obstacle_id + i is Problem::curved_walls[i]: the rim of a rigid obstacle, no-slip, to which a
+/// body that touches it is fixed.
+inline constexpr unsigned obstacle_id = 7;
+inline constexpr unsigned most_obstacles = 24;
 
 struct MeshQuality {
   double min_scaled_jacobian = 0.0;  ///< smallest sine-like corner quality, 1 for a square

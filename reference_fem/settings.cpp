@@ -47,25 +47,28 @@ MeshSizes read_sizes(const Table& table, const Problem& problem) {
 
 /// Effects of a scene that this solver does not have.
 void refuse_missing_effects(const Document& document, const Problem& problem) {
-  const auto refuse = [&](const std::string& table) {
-    document.root().refuse(table, "the finite element reference does not have this effect");
-  };
-  if (problem.periodic) refuse("periodic");
-  if (problem.gravity) refuse("gravity");
-  if (!problem.initial_velocity.empty()) refuse("initial");
-  if (!problem.wall_motion.empty()) refuse("wall_motion");
-  if (!problem.curved_walls.empty()) refuse("curved_wall");
-  if (problem.pressure_inflow) refuse("inflow");
-  if (problem.outflow && !problem.outflow->waveform.constant()) refuse("outflow");
-  if (!problem.probes.pressure.empty()) refuse("probes");
+  if (problem.periodic)
+    document.table("periodic")
+        .refuse("axes",
+                "the finite element reference has no periodic sides; use the particle solver");
+  for (const CurvedWall& wall : problem.curved_walls)
+    if (!wall.no_slip)
+      document.table("curved_wall." + wall.name)
+          .refuse("slip",
+                  "the finite element reference has only no-slip curved walls; write \"no_slip\"");
+  if (problem.curved_walls.size() > most_obstacles)
+    document.root().refuse(
+        "curved_wall",
+        fmt::format("the finite element reference takes at most {} of them", most_obstacles));
 }
 
-void check_problem(const Document& document, const Problem& problem) {
+void check_problem(const Document& document, const Problem& problem, bool bodies_only) {
   refuse_missing_effects(document, problem);
   if (problem.dimension != 2)
     document.table("domain").refuse("channel",
                                     "the finite element reference is two-dimensional; "
                                     "give two coordinates");
+  if (bodies_only) return;
   if (!problem.viscosity || !(problem.viscosity->dynamic > 0.0))
     document.root().refuse("viscosity",
                            "the finite element reference needs a viscous fluid; write "
@@ -92,10 +95,13 @@ TimeScheme starter_of(const TimeScheme& scheme) {
 }
 
 Settings read_settings(Document& document, const Problem& problem) {
-  check_problem(document, problem);
   const Table table = document.table("reference_fem");
   Settings settings;
   settings.sizes = read_sizes(table, problem);
+  settings.sizes.bodies_only = table.flag_or("bodies_only", false);
+  if (settings.sizes.bodies_only && problem.solids.empty())
+    table.refuse("bodies_only", "the scene has no body; add one, such as [solid.beam]");
+  check_problem(document, problem, settings.sizes.bodies_only);
   settings.degree = static_cast<int>(table.integer_or("degree", 2));
   if (settings.degree != 2 && settings.degree != 3)
     table.refuse("degree", "must be 2 or 3: polynomial degree of velocity and displacement");
@@ -112,6 +118,8 @@ Settings read_settings(Document& document, const Problem& problem) {
   settings.poisson_ratio = table.number_or("poisson_ratio", 0.4999);
   if (!(settings.poisson_ratio > 0.0 && settings.poisson_ratio <= 0.5))
     table.refuse("poisson_ratio", "must lie above 0 and not beyond 0.5; the paper's is 0.4999");
+  settings.solid_density = positive(table, "solid_density", dimension::density,
+                                    fmt::format("{:.17g} kg/m3", problem.density));
   settings.law = table.word_or("material", {"neo_hookean", "st_venant_kirchhoff"}, "neo_hookean") ==
                          "neo_hookean"
                      ? MaterialLaw::neo_hookean

@@ -17,6 +17,7 @@ struct Settings {
   TimeScheme scheme;
   TimeScheme starter;  ///< for the steps after a kink, when there is no slope to start from
   double poisson_ratio = 0.0;
+  double solid_density = 0.0;  ///< kg/m3
   MaterialLaw law = MaterialLaw::neo_hookean;
   NewtonSettings newton;
   double mesh_stiffening = 0.0;

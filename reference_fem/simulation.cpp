@@ -26,7 +26,7 @@ std::vector<Material> materials_of(const Problem& problem, const Settings& setti
   std::vector<Material> materials;
   for (const Solid& solid : problem.solids)
     materials.push_back(Material::from_youngs(settings.law, solid.youngs_modulus,
-                                              settings.poisson_ratio, problem.density));
+                                              settings.poisson_ratio, settings.solid_density));
   return materials;
 }
 
@@ -50,6 +50,19 @@ Simulation::Simulation(const Problem& problem, const Settings& settings)
                                          settings_.mesh_stiffening);
   integration_ = std::make_unique<TimeIntegration>(*system_, *motion_, settings_.newton);
   state_ = integration_->initial_state();
+  set_initial_velocity();
+}
+
+/// Where it does not fit the boundary values or has a divergence, the first step makes it do so.
+void Simulation::set_initial_velocity() {
+  if (problem_.initial_velocity.empty()) return;
+  for (int n = 0; n < space_->nodes(); ++n) {
+    const Vec2& x = space_->position(n);
+    for (std::size_t d = 0; d < 2; ++d)
+      state_.now.velocity[2 * static_cast<std::size_t>(n) + d] =
+          problem_.initial_velocity[d].value(std::array{x[0], x[1], 0.0});
+  }
+  system_->impose(0.0, state_.now.velocity);
 }
 
 bool Simulation::is_kink(double time) const {

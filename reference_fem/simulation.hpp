@@ -51,6 +51,7 @@ class Simulation {
   void restore(const Archive& archive);
 
  private:
+  void set_initial_velocity();
   bool is_kink(double time) const;
   void choose_next_step(double tried);
 

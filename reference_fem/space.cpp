@@ -157,6 +157,17 @@ Place Locator::find(const Vec2& point, int body) const {
   return {};
 }
 
+std::vector<Place> Locator::find_all(const Vec2& point) const {
+  std::vector<Place> places;
+  for (int c = 0; c < space_->cells(); ++c) {
+    const auto& b = bounds_[static_cast<std::size_t>(c)];
+    if (point[0] < b[0] || point[1] < b[1] || point[0] > b[2] || point[1] > b[3]) continue;
+    Place place{c, {0.5, 0.5}};
+    if (invert(c, point, place.unit)) places.push_back(place);
+  }
+  return places;
+}
+
 bool Locator::invert(int cell, const Vec2& point, Vec2& unit) const {
   constexpr double inside = 1e-8;
   const int na = space_->nodes_per_cell();
@@ -182,6 +193,25 @@ bool Locator::invert(int cell, const Vec2& point, Vec2& unit) const {
     if (std::max(std::abs(step[0]), std::abs(step[1])) < 1e-13) break;
   }
   return unit[0] > -inside && unit[0] < 1 + inside && unit[1] > -inside && unit[1] < 1 + inside;
+}
+
+double evaluate_pressure(const Space& space, const std::vector<double>& pressure,
+                         const std::vector<Place>& places) {
+  const auto na = static_cast<std::size_t>(space.nodes_per_cell()),
+             np = static_cast<std::size_t>(space.pressures_per_cell());
+  std::vector<double> n(na), modes(np);
+  double sum = 0.0;
+  for (const Place& place : places) {
+    space.shape_values(place.unit, n.data());
+    Vec2 x{};
+    for (std::size_t a = 0; a < na; ++a)
+      for (std::size_t d = 0; d < 2; ++d)
+        x[d] += n[a] * space.position(space.cell_nodes(place.cell)[a])[d];
+    space.pressure_values(place.cell, x, modes.data());
+    for (std::size_t m = 0; m < np; ++m)
+      sum += modes[m] * pressure[static_cast<std::size_t>(place.cell) * np + m];
+  }
+  return sum / static_cast<double>(places.size());
 }
 
 Vec2 evaluate(const Space& space, const std::vector<double>& field, const Place& place) {

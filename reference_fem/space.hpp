@@ -22,7 +22,7 @@ using Vec2 = std::array<double, 2>;
 /// One side of a cell on the boundary of the plane, with its own quadrature.
 struct BoundaryFace {
   int cell = 0;
-  unsigned boundary = 0;       ///< a Side, or obstacle_id
+  unsigned boundary = 0;       ///< a Side, free_id, or an obstacle
   std::vector<double> value;   ///< [q][a]
   std::vector<double> grad_x;  ///< [q][a], 1/m
   std::vector<double> grad_y;
@@ -64,7 +64,13 @@ class Space {
   /// Body of the solid cells around a node; 0 if there are none.
   int solid_of(int node) const { return solid_of_[static_cast<std::size_t>(node)]; }
   bool on_side(int node, Side side) const { return on_boundary(node, static_cast<unsigned>(side)); }
-  bool on_obstacle(int node) const { return on_boundary(node, obstacle_id); }
+  bool on_obstacle(int node) const {
+    return boundaries_[static_cast<std::size_t>(node)] >> obstacle_id != 0;
+  }
+  /// On the rim of Problem::curved_walls[wall].
+  bool on_obstacle(int node, int wall) const {
+    return on_boundary(node, obstacle_id + static_cast<unsigned>(wall));
+  }
   bool on_any_boundary(int node) const { return boundaries_[static_cast<std::size_t>(node)] != 0; }
 
   /// Values of a cell's shape functions at a point of the unit square.
@@ -111,6 +117,8 @@ class Locator {
   Locator(const Space& space, const std::vector<double>& displacement);
   /// `body` >= 0 looks only in cells of that body.
   Place find(const Vec2& point, int body = -1) const;
+  /// Every cell that the point lies in: several at a vertex or an edge.
+  std::vector<Place> find_all(const Vec2& point) const;
 
  private:
   bool invert(int cell, const Vec2& point, Vec2& unit) const;
@@ -118,6 +126,10 @@ class Locator {
   std::vector<double> x_;                      ///< current positions, interleaved
   std::vector<std::array<double, 4>> bounds_;  ///< per cell: min x, min y, max x, max y
 };
+
+/// Mean over `places` of the cells' own pressures there (Pa); they jump from cell to cell.
+double evaluate_pressure(const Space& space, const std::vector<double>& pressure,
+                         const std::vector<Place>& places);
 
 /// Value of a nodal vector field (interleaved) at a place.
 Vec2 evaluate(const Space& space, const std::vector<double>& field, const Place& place);

@@ -199,7 +199,7 @@ void TimeIntegration::step(State& state, const TimeScheme& scheme, double dt) {
     if (!state.slope_known) throw std::logic_error("the scheme needs a slope to start from");
     solved[0] = state.now;
   }
-  weights_ = {scheme.gamma * dt, 1.0};
+  weights_ = {scheme.gamma * dt, 1.0, state.time};
   Trend trend = trend_of(state);
   for (std::size_t i = scheme.explicit_first ? 1 : 0; i < stages; ++i) {
     const double time = state.time + scheme.c[i] * dt;
@@ -210,6 +210,7 @@ void TimeIntegration::step(State& state, const TimeScheme& scheme, double dt) {
       add(base_displacement, dt * scheme.a[i][j], solved[j].mesh_velocity);
     }
     solved[i] = trend.guess(time);
+    weights_.time = time;
     system_.impose(time, solved[i].velocity);
     solve_stage(solved[i], base_velocity, base_displacement);
     trend.follow(solved[i], time);
