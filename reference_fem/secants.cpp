@@ -1,5 +1,6 @@
 #include "reference_fem/secants.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sprung::reference {
@@ -17,19 +18,23 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
   return c;
 }
 
-/// Least squares coefficients of `target` in `columns`, by normal equations with a trace of
-/// damping: nearly parallel columns share, none explodes.
-std::vector<double> coefficients(const std::vector<const std::vector<double>*>& columns,
-                                 const std::vector<double>& target) {
-  const std::size_t n = columns.size();
+}  // namespace
+
+/// Least squares coefficients of `target` in the columns of dd_, by normal equations of the columns
+/// scaled to length one, with a trace of damping: nearly parallel columns share, none explodes.
+std::vector<double> Secants::coefficients(const std::vector<double>& target) const {
+  constexpr double damping = 1e-11;
+  const std::size_t n = dd_.size();
+  std::vector<double> scale(n);
+  for (std::size_t i = 0; i < n; ++i)
+    scale[i] = gram_[i][i] > 0.0 ? 1.0 / std::sqrt(gram_[i][i]) : 0.0;
   std::vector<std::vector<double>> a(n, std::vector<double>(n + 1));
-  double trace = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) a[i][j] = dot(*columns[i], *columns[j]);
-    a[i][n] = dot(*columns[i], target);
-    trace += a[i][i];
+    for (std::size_t j = 0; j < n; ++j)
+      a[i][j] = scale[i] * scale[j] * gram_[std::max(i, j)][std::min(i, j)];
+    a[i][i] += damping;
+    a[i][n] = scale[i] * dot(dd_[i].velocity, target);
   }
-  for (std::size_t i = 0; i < n; ++i) a[i][i] += 1e-12 * trace;
   for (std::size_t i = 0; i < n; ++i)  // positive definite: no pivoting needed
     for (std::size_t k = i + 1; k < n; ++k) {
       const double factor = a[k][i] / a[i][i];
@@ -41,40 +46,46 @@ std::vector<double> coefficients(const std::vector<const std::vector<double>*>& 
     for (std::size_t j = i + 1; j < n; ++j) sum -= a[i][j] * x[j];
     x[i] = sum / a[i][i];
   }
+  for (std::size_t i = 0; i < n; ++i) x[i] *= scale[i];
   return x;
 }
-
-}  // namespace
 
 void Secants::clear() {
   has_last_ = false;
   dx_.clear();
   dd_.clear();
+  gram_.clear();
+}
+
+void Secants::learn(const Pair& x, const Pair& d) {
+  if (dx_.size() == most) {
+    dx_.erase(dx_.begin());
+    dd_.erase(dd_.begin());
+    gram_.erase(gram_.begin());
+    for (auto& row : gram_) row.erase(row.begin());
+  }
+  dx_.push_back(
+      {difference(x.velocity, last_x_.velocity), difference(x.pressure, last_x_.pressure)});
+  dd_.push_back(
+      {difference(d.velocity, last_d_.velocity), difference(d.pressure, last_d_.pressure)});
+  std::vector<double> row;
+  for (const Pair& pair : dd_) row.push_back(dot(dd_.back().velocity, pair.velocity));
+  gram_.push_back(std::move(row));
 }
 
 void Secants::accelerate(const std::vector<double>& velocity, const std::vector<double>& pressure,
                          std::vector<double>& velocity_step, std::vector<double>& pressure_step) {
-  const Pair d = {velocity_step, pressure_step};
-  if (has_last_) {
-    dx_.push_back({difference(velocity, last_x_.velocity), difference(pressure, last_x_.pressure)});
-    dd_.push_back(
-        {difference(d.velocity, last_d_.velocity), difference(d.pressure, last_d_.pressure)});
-    if (dx_.size() > most) {
-      dx_.erase(dx_.begin());
-      dd_.erase(dd_.begin());
-    }
-    std::vector<const std::vector<double>*> columns;
-    for (const Pair& pair : dd_) columns.push_back(&pair.velocity);
-    const auto gamma = coefficients(columns, d.velocity);
-    for (std::size_t j = 0; j < gamma.size(); ++j) {
-      for (std::size_t i = 0; i < velocity_step.size(); ++i)
-        velocity_step[i] -= gamma[j] * (dx_[j].velocity[i] + dd_[j].velocity[i]);
-      for (std::size_t i = 0; i < pressure_step.size(); ++i)
-        pressure_step[i] -= gamma[j] * (dx_[j].pressure[i] + dd_[j].pressure[i]);
-    }
+  Pair x = {velocity, pressure}, d = {velocity_step, pressure_step};
+  if (has_last_) learn(x, d);
+  const auto gamma = coefficients(d.velocity);
+  for (std::size_t j = 0; j < gamma.size(); ++j) {
+    for (std::size_t i = 0; i < velocity_step.size(); ++i)
+      velocity_step[i] -= gamma[j] * (dx_[j].velocity[i] + dd_[j].velocity[i]);
+    for (std::size_t i = 0; i < pressure_step.size(); ++i)
+      pressure_step[i] -= gamma[j] * (dx_[j].pressure[i] + dd_[j].pressure[i]);
   }
-  last_x_ = {velocity, pressure};
-  last_d_ = d;
+  last_x_ = std::move(x);
+  last_d_ = std::move(d);
   has_last_ = true;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 /// Anderson's acceleration of an iteration x <- x + d(x): from the last corrections it learns how d
 /// answers to x in the few directions that converge slowly. Here these are the bodies' motions,
-/// whose effect on the moving mesh Newton's matrix leaves out.
+/// whose effect on the moving mesh Newton's matrix leaves out. What was learned in one stage serves
+/// in the next ones, as long as the matrix is the same (quasi-Newton with reuse: Degroote, Bathe
+/// and Vierendeels 2009).
 
 #include <vector>
 
@@ -13,16 +15,23 @@ class Secants {
   /// one. Norms are taken of the velocity part.
   void accelerate(const std::vector<double>& velocity, const std::vector<double>& pressure,
                   std::vector<double>& velocity_step, std::vector<double>& pressure_step);
+  /// Another equation begins: keeps what was learned, but takes no difference to the last x.
+  void begin_stage() { has_last_ = false; }
+  /// Forgets everything: the matrix, and with it d, is another one.
   void clear();
 
  private:
-  static constexpr std::size_t most = 6;
+  static constexpr std::size_t most = 12;
   struct Pair {
     std::vector<double> velocity, pressure;
   };
+  void learn(const Pair& x, const Pair& d);
+  std::vector<double> coefficients(const std::vector<double>& target) const;
+
   bool has_last_ = false;
   Pair last_x_, last_d_;
   std::vector<Pair> dx_, dd_;  ///< differences of x and of d between iterations, oldest first
+  std::vector<std::vector<double>> gram_;  ///< inner products of dd_'s velocities, lower triangle
 };
 
 }  // namespace sprung::reference

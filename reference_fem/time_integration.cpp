@@ -68,6 +68,7 @@ void TimeIntegration::linearize(const Fields& fields) {
   system_.linearize(fields, weights_);
   matrix_c_ = weights_.c;
   ++effort_.factorizations;
+  secants_.clear();
 }
 
 void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& base_velocity,
@@ -75,7 +76,7 @@ void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& bas
   ++effort_.stages;
   Residual residual;
   std::vector<double> velocity_step, pressure_step;
-  Secants secants;
+  secants_.begin_stage();
   double previous = 0.0;
   bool fresh = false;
   for (int iteration = 0; iteration < newton_.max_iterations; ++iteration) {
@@ -97,7 +98,7 @@ void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& bas
     const double change = largest(velocity_step) + 0.0 * largest(pressure_step);
     if (!std::isfinite(change))
       throw std::runtime_error("Newton's method met a value that is not finite");
-    secants.accelerate(fields.velocity, fields.pressure, velocity_step, pressure_step);
+    secants_.accelerate(fields.velocity, fields.pressure, velocity_step, pressure_step);
     add(fields.velocity, 1.0, velocity_step);
     add(fields.pressure, 1.0, pressure_step);
     speed_scale_ = std::max(speed_scale_, largest(fields.velocity));
@@ -113,7 +114,6 @@ void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& bas
     if (previous > 0.0 && theta > (fresh ? 0.8 : newton_.slow)) {
       update_from_velocity(fields, base_velocity, base_displacement);
       linearize(fields);
-      secants.clear();
       fresh = true;
       previous = 0.0;
       continue;

@@ -4,6 +4,7 @@
 
 #include "reference_fem/fluid_structure.hpp"
 #include "reference_fem/mesh_motion.hpp"
+#include "reference_fem/secants.hpp"
 #include "reference_fem/time_scheme.hpp"
 
 #include <map>
@@ -58,6 +59,7 @@ class TimeIntegration {
   void forget_matrix() {
     matrix_c_ = 0.0;
     contraction_ = 1.0;
+    secants_.clear();
   }
   /// Largest embedded error estimate of the last step in displacement (m); 0 if the scheme has
   /// none.
@@ -87,6 +89,7 @@ class TimeIntegration {
   const MeshMotion& motion_;
   NewtonSettings newton_;
   StageWeights weights_;
+  Secants secants_;
   double matrix_c_ = 0.0;     ///< the c that the matrix was made for; 0: none
   double contraction_ = 1.0;  ///< of the last stage
   double speed_scale_ = 0.0;

@@ -49,7 +49,7 @@ double pressure_at(Simulation& simulation, double x, double y) {
 TEST(Channel, PoiseuilleLeavesUndisturbed) {
   Problem problem = channel();
   problem.end_time = 2000.0;  // twenty viscous times H^2/nu
-  problem.inflow = Inflow{Side::left, Inflow::Profile::parabolic, 0.5, 10.0};
+  problem.inflow = Inflow{Side::left, Inflow::Profile::parabolic, 0.5, 10.0, {}};
   Simulation simulation(problem, settings(20.0, "backward_euler"));
   while (simulation.state().time < problem.end_time) simulation.advance(problem.end_time);
   // A parabola and a linear pressure lie in the spaces, so the solution is exact up to the solver.
