@@ -154,7 +154,7 @@ PulledBlock pull_by_particle_solver(const Material& material, const Pull& pull) 
   // slowly.
   const double slowest = std::numbers::pi * wave_speed * std::sqrt(dim == 2 ? 2.0 : 3.0) / side;
   const double damping = 1.5 * slowest;
-  sph::Simulation<dim> simulation(numerics, std::move(particles), {});
+  sph::Simulation<dim> simulation(numerics, std::move(particles), sph::Images<dim>({}));
   simulation.effects().limits.push_back(springs.get());
   simulation.effects().body_forces.push_back(std::move(springs));
   simulation.effects().body_forces.push_back(

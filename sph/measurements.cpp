@@ -27,6 +27,16 @@ Measurements<dim>::Measurements(ParticleScene<dim>& scene, RecordWriter& record)
     declare(probe.name, vector_columns(dim, "displacement", "m"));
   for (const auto& probe : probes.force)
     declare(probe.name, vector_columns(dim, "force", dim == 2 ? "N/m" : "N"));
+  for (const auto& probe : probes.pressure) {
+    std::vector<Column> columns;
+    for (std::size_t k = 0; k < probe.places.size(); ++k)
+      columns.push_back({fmt::format("pressure_{}", k), "Pa"});
+    declare(probe.name, std::move(columns));
+  }
+  const auto& particles = scene.simulation->state().particles;
+  for (const auto& wall : scene.simulation->state().images.shaped())
+    wall_patches_.push_back(probes.force.empty() ? std::vector<WallPatch<dim>>{}
+                                                 : wall.shape->patches(particles.spacing));
   const std::string volume = dim == 2 ? "m2" : "m3", energy = dim == 2 ? "J/m" : "J";
   declare("ledger_mass", {{"inflow", volume + "/s"},
                           {"outflow", volume + "/s"},
@@ -54,7 +64,9 @@ void Measurements<dim>::each_step() {
                                        {as_vector<dim>(probe.point)})[0]);
   }
   for (const auto& probe : scene_.problem.probes.force)
-    append(probe.name, force_on(body_named(probe.solid)));
+    append(probe.name, probe.solid.empty() ? force_on_wall(probe.curved_wall)
+                                           : force_on(body_named(probe.solid)));
+  for (const auto& probe : scene_.problem.probes.pressure) append_pressure(probe);
 }
 
 template <int dim>
@@ -62,8 +74,30 @@ Vector<dim> Measurements<dim>::force_on(const BodyRange& body) const {
   const auto& state = scene_.simulation->state();
   const auto load = scene_.solid->load(state);
   Vector<dim> sum = Vector<dim>::Zero();
-  for (std::size_t i = body.first; i < body.last; ++i) sum += load[i];
+  // The balanced part of gravity is in no load: its share of the pressure is the buoyancy.
+  for (std::size_t i = body.first; i < body.last; ++i) sum += load[i] - state.balanced_acceleration;
   return state.particles.mass() * sum;
+}
+
+template <int dim>
+void Measurements<dim>::append_pressure(const PressureProbe& probe) {
+  const auto& state = scene_.simulation->state();
+  std::vector<Vector<dim>> places;
+  for (const Point& place : probe.places) places.push_back(as_vector<dim>(place));
+  std::vector<double> row{state.clock.time};
+  for (const double p : pressure_at(state, places)) row.push_back(p);
+  record_.append(probe.name, row);
+}
+
+template <int dim>
+Vector<dim> Measurements<dim>::force_on_wall(const std::string& name) const {
+  const auto& problem = scene_.problem;
+  const auto& state = scene_.simulation->state();
+  for (std::size_t w = 0; w < problem.curved_walls.size(); ++w)
+    if (problem.curved_walls[w].name == name)
+      return force_on_surface(state, state.images.shaped()[w], wall_patches_[w],
+                              problem.viscosity ? problem.viscosity->dynamic : 0.0);
+  return Vector<dim>::Zero();
 }
 
 template <int dim>
@@ -158,7 +192,7 @@ double Measurements<dim>::outflow_flux() const {
   const auto& state = simulation.state();
   const double dx = state.particles.spacing;
   double flux = 0.0;
-  for (const auto& side : simulation.outflow()) {
+  for (const auto& side : simulation.pressure_sides()) {
     const auto& plane = side.plane();
     std::vector<Vector<dim>> places;
     const auto& box = scene_.problem.channel;
@@ -240,7 +274,7 @@ void Measurements<dim>::write_fields(const State<dim>& state, double time) {
       position[3 * i + d] = particles.position[i][d];
       velocity[3 * i + d] = particles.velocity[i][d];
     }
-    pressure[i] = -particles.density * particles.pseudo_pressure[i];
+    pressure[i] = state.pressure(i);
     role[i] = static_cast<double>(particles.role[i]);
     identity[i] = static_cast<double>(particles.identity[i]);
   }

@@ -13,6 +13,7 @@ Numerics paper() {
   return {.preset = "paper",
           .smoothing_length_ratio = 1.0,
           .normalised_gradient = false,
+          .gradient_correction = false,
           .position_update = PositionUpdate::mean_velocity,
           .shifting = Shifting::xu,
           .shifting_coefficient = 0.04,
@@ -31,6 +32,7 @@ Numerics recommended() {
   return {.preset = "recommended",
           .smoothing_length_ratio = 1.3,
           .normalised_gradient = true,
+          .gradient_correction = false,
           .position_update = PositionUpdate::new_velocity,
           .shifting = Shifting::xu,
           .shifting_coefficient = 0.04,
@@ -70,6 +72,7 @@ Numerics read_numerics(Document& document) {
                    : recommended();
   read_between(table, "smoothing_length_ratio", 0.8, 2.0, n.smoothing_length_ratio);
   n.normalised_gradient = table.flag_or("normalised_gradient", n.normalised_gradient);
+  n.gradient_correction = table.flag_or("gradient_correction", n.gradient_correction);
   choose(table, "position_update", {"mean_velocity", "new_velocity"}, n.position_update);
   choose(table, "shifting", {"none", "xu"}, n.shifting);
   read_between(table, "shifting_coefficient", 0.0, 1.0, n.shifting_coefficient);

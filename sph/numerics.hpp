@@ -29,6 +29,8 @@ struct Numerics {
   std::string preset;
   double smoothing_length_ratio = 0.0;  ///< h / spacing
   bool normalised_gradient = false;     ///< divide the gradient by its lattice factor
+  /// Gradients and divergences exact for linear fields on any distribution (Bonet & Lok 1999).
+  bool gradient_correction = false;
   PositionUpdate position_update{};
   Shifting shifting{};
   double shifting_coefficient = 0.0;  ///< C of Xu, Stansby & Laurence 2009

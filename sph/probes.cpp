@@ -23,17 +23,17 @@ Eigen::VectorXd monomials(const Vector<dim>& x, int order) {
 }
 
 /// Value at the origin of the weighted polynomial fit to `values` at `offsets`.
-template <int dim>
-Vector<dim> fitted_value(const std::vector<Vector<dim>>& offsets,
-                         const std::vector<double>& weights, const std::vector<Vector<dim>>& values,
-                         int highest_order) {
+template <int dim, typename Value>
+Value fitted_value(const std::vector<Vector<dim>>& offsets, const std::vector<double>& weights,
+                   const std::vector<Value>& values, int highest_order) {
   const auto n = static_cast<Eigen::Index>(offsets.size());
   if (n == 0) throw std::runtime_error("no particle lies near the place of a probe");
   for (int order = highest_order; order >= 0; --order) {
     const auto terms = monomials<dim>(Vector<dim>::Zero(), order).size();
     if (n < 2 * terms && order > 0) continue;
     Eigen::MatrixXd rows(n, terms);
-    Eigen::MatrixXd right(n, dim);
+    Eigen::Matrix<double, Eigen::Dynamic, Value::RowsAtCompileTime> right(n,
+                                                                          Value::RowsAtCompileTime);
     for (Eigen::Index k = 0; k < n; ++k) {
       const double w = std::sqrt(weights[k]);
       rows.row(k) = w * monomials<dim>(offsets[k], order).transpose();
@@ -43,7 +43,31 @@ Vector<dim> fitted_value(const std::vector<Vector<dim>>& offsets,
     if (fit.rank() < terms && order > 0) continue;
     return fit.solve(right).row(0).transpose();
   }
-  return Vector<dim>::Zero();  // order 0 has returned already
+  return Value::Zero();  // order 0 has returned already
+}
+
+/// Gradient (columns d/dx_k) at the origin of the weighted quadratic fit that is zero there; linear
+/// where points are few.
+template <int dim>
+Eigen::Matrix<double, dim, dim> gradient_from_zero(const std::vector<Vector<dim>>& offsets,
+                                                   const std::vector<double>& weights,
+                                                   const std::vector<Vector<dim>>& values) {
+  const auto n = static_cast<Eigen::Index>(offsets.size());
+  for (int order = 2; order >= 1; --order) {
+    const auto terms = monomials<dim>(Vector<dim>::Zero(), order).size() - 1;
+    if (n < 2 * terms && order > 1) continue;
+    Eigen::MatrixXd rows(n, terms);
+    Eigen::Matrix<double, Eigen::Dynamic, dim> right(n, dim);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double w = std::sqrt(weights[k]);
+      rows.row(k) = w * monomials<dim>(offsets[k], order).tail(terms).transpose();
+      right.row(k) = w * values[k].transpose();
+    }
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> fit(rows);
+    if (fit.rank() < terms && order > 1) continue;
+    return fit.solve(right).template topRows<dim>().transpose();
+  }
+  return Eigen::Matrix<double, dim, dim>::Zero();
 }
 
 }  // namespace
@@ -55,11 +79,9 @@ std::vector<Vector<dim>> velocity_at(const State<dim>& state,
   const Kernel<dim> kernel(1.25 * state.kernel.smoothing_length());
   std::vector<Vector<dim>> extended;
   state.images.extend_for_viscosity(state.particles.velocity, extended);
-  std::vector<Vector<dim>> points = places;
-  const auto& others = state.images.points();
-  points.insert(points.end(), others.begin(), others.end());
+  const auto& points = state.images.points();
   Support<dim> support;
-  support.build(kernel, points, places.size(), state.particles.volume);
+  support.build_around(kernel, places, points, state.particles.volume);
 
   std::vector<Vector<dim>> result(places.size());
   std::vector<Vector<dim>> offsets, values;
@@ -69,15 +91,78 @@ std::vector<Vector<dim>> velocity_at(const State<dim>& state,
     values.clear();
     weights.clear();
     for (const std::int32_t j : support.of(p).index) {
-      if (static_cast<std::size_t>(j) < places.size()) continue;
       const Vector<dim> r = points[j] - places[p];
       offsets.push_back(r / dx);
       weights.push_back(kernel.value(r.norm()));
-      values.push_back(extended[j - places.size()]);
+      values.push_back(extended[j]);
     }
-    result[p] = fitted_value<dim>(offsets, weights, values, 2);
+    result[p] = fitted_value(offsets, weights, values, 2);
   }
   return result;
+}
+
+template <int dim>
+std::vector<double> pressure_at(const State<dim>& state, const std::vector<Vector<dim>>& places) {
+  const auto& particles = state.particles;
+  const auto& points = state.images.points();
+  const Kernel<dim> kernel(1.25 * state.kernel.smoothing_length());
+  Support<dim> support;
+  support.build_around(kernel, places, points, particles.volume);
+  std::vector<double> result;
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    std::vector<Vector<dim>> offsets;
+    std::vector<double> weights;
+    std::vector<Vector<1>> values;
+    for (const std::int32_t j : support.of(p).index) {
+      const std::int32_t source = state.images.source(j);
+      if (particles.role[source] == Role::inflow) continue;  // no equation, no pressure
+      offsets.push_back((points[j] - places[p]) / particles.spacing);
+      weights.push_back(kernel.value((points[j] - places[p]).norm()));
+      values.push_back(Vector<1>(particles.pseudo_pressure[source]));
+    }
+    const double psi = fitted_value(offsets, weights, values, 1)[0];
+    result.push_back(particles.density * (state.balanced_acceleration.dot(places[p]) - psi));
+  }
+  return result;
+}
+
+template <int dim>
+Vector<dim> force_on_surface(const State<dim>& state, const ShapedWall<dim>& wall,
+                             const std::vector<WallPatch<dim>>& patches, double dynamic_viscosity) {
+  const auto& particles = state.particles;
+  const double dx = particles.spacing;
+  const Kernel<dim> kernel(1.25 * state.kernel.smoothing_length());
+  std::vector<Vector<dim>> places;
+  for (const auto& patch : patches) places.push_back(patch.centre);
+  const auto& points = state.images.points();
+  Support<dim> support;
+  support.build_around(kernel, places, points, particles.volume);
+  Vector<dim> force = Vector<dim>::Zero();
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    std::vector<Vector<dim>> offsets;
+    std::vector<double> weights;
+    std::vector<Vector<1>> psi;
+    std::vector<Vector<dim>> velocity;
+    for (const std::int32_t j : support.of(p).index) {
+      const Vector<dim> r = points[j] - places[p];
+      if (r.dot(patches[p].normal) < 0.0 || state.images.by_shaped_wall(j)) continue;
+      const std::int32_t source = state.images.source(j);
+      if (particles.role[source] == Role::inflow) continue;
+      offsets.push_back(r / dx);
+      weights.push_back(kernel.value(r.norm()));
+      psi.push_back(Vector<1>(particles.pseudo_pressure[source]));
+      velocity.push_back(particles.velocity[source]);
+    }
+    if (offsets.empty()) continue;
+    const double pressure = particles.density * (state.balanced_acceleration.dot(places[p]) -
+                                                 fitted_value(offsets, weights, psi, 1)[0]);
+    force -= patches[p].area * pressure * patches[p].normal;
+    if (!wall.no_slip || dynamic_viscosity == 0.0) continue;
+    const auto gradient = gradient_from_zero(offsets, weights, velocity);
+    force += patches[p].area * dynamic_viscosity / dx *
+             ((gradient + gradient.transpose()) * patches[p].normal);
+  }
+  return force;
 }
 
 template <int dim>
@@ -103,11 +188,17 @@ std::vector<Vector<dim>> displacement_of(const ElasticSolid<dim>& solid,
       }
     }
     const std::vector<double> weights(offsets.size(), 1.0);
-    result.push_back(fitted_value<dim>(offsets, weights, values, 1));
+    result.push_back(fitted_value(offsets, weights, values, 1));
   }
   return result;
 }
 
+template Vector<2> force_on_surface(const State<2>&, const ShapedWall<2>&,
+                                    const std::vector<WallPatch<2>>&, double);
+template Vector<3> force_on_surface(const State<3>&, const ShapedWall<3>&,
+                                    const std::vector<WallPatch<3>>&, double);
+template std::vector<double> pressure_at<2>(const State<2>&, const std::vector<Vector<2>>&);
+template std::vector<double> pressure_at<3>(const State<3>&, const std::vector<Vector<3>>&);
 template std::vector<Vector<2>> velocity_at<2>(const State<2>&, const std::vector<Vector<2>>&);
 template std::vector<Vector<3>> velocity_at<3>(const State<3>&, const std::vector<Vector<3>>&);
 template std::vector<Vector<2>> displacement_of<2>(const ElasticSolid<2>&, const Particles<2>&,

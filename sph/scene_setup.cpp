@@ -2,8 +2,10 @@
 
 #include "sph/effects/registry.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <random>
 #include <sstream>
 
@@ -57,18 +59,13 @@ bool inside(const Box& box, const Vector<dim>& x) {
   return true;
 }
 
-/// Particles at the centres of cubes of side `spacing` that fill the channel; solids first.
+/// How many lattice cells fit each side of the channel.
 template <int dim>
-Particles<dim> fill_lattice(const Problem& problem, double spacing, const Table& table,
-                            std::vector<BodyRange>& bodies) {
-  Particles<dim> particles;
-  particles.spacing = spacing;
-  particles.volume = std::pow(spacing, dim);
-  particles.density = problem.density;
+std::array<long, dim> lattice_counts(const Box& channel, double spacing, const Table& table) {
   std::array<long, dim> count;
   double total = 1.0;
   for (int d = 0; d < dim; ++d) {
-    const double extent = problem.channel.to[d] - problem.channel.from[d];
+    const double extent = channel.to[d] - channel.from[d];
     count[d] = std::lround(extent / spacing);
     if (count[d] < 4 || std::abs(count[d] * spacing - extent) > 1e-6 * extent)
       table.refuse(
@@ -79,6 +76,44 @@ Particles<dim> fill_lattice(const Problem& problem, double spacing, const Table&
     total *= static_cast<double>(count[d]);
   }
   if (total > 5e7) table.refuse("spacing", fmt::format("would make {:.3g} particles", total));
+  return count;
+}
+
+/// Keeps the sites on the fluid's side of the shaped walls: as many as the volume there holds,
+/// those deepest in the fluid first. A cell that a wall cuts counts by its part inside.
+template <int dim>
+void keep_inside_walls(std::vector<Vector<dim>>& sites, double spacing,
+                       const std::vector<ShapedWall<dim>>& walls) {
+  if (walls.empty()) return;
+  std::vector<double> depth(sites.size(), std::numeric_limits<double>::infinity());
+  double volume = 0.0;
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    for (const auto& wall : walls)
+      depth[k] = std::min(depth[k], wall.shape->view(sites[k]).distance);
+    volume += std::clamp(0.5 + depth[k] / spacing, 0.0, 1.0);
+  }
+  std::vector<double> sorted = depth;
+  std::sort(sorted.begin(), sorted.end(), std::greater<>());
+  const auto wanted = std::min(static_cast<std::size_t>(std::lround(volume)), sites.size());
+  // Never closer to a wall than a quarter of the spacing; equal depths stand or fall together.
+  const double least =
+      std::max(wanted > 0 ? sorted[wanted - 1] * (1.0 - 1e-9) : 0.0, 0.25 * spacing);
+  std::vector<Vector<dim>> kept;
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    if (depth[k] >= least) kept.push_back(sites[k]);
+  sites.swap(kept);
+}
+
+/// Particles at the centres of cubes of side `spacing` that fill the channel; solids first.
+template <int dim>
+Particles<dim> fill_lattice(const Problem& problem, double spacing, const Table& table,
+                            const std::vector<ShapedWall<dim>>& walls,
+                            std::vector<BodyRange>& bodies) {
+  Particles<dim> particles;
+  particles.spacing = spacing;
+  particles.volume = std::pow(spacing, dim);
+  particles.density = problem.density;
+  const auto count = lattice_counts<dim>(problem.channel, spacing, table);
   std::vector<std::vector<Vector<dim>>> solid(problem.solids.size());
   std::vector<Vector<dim>> fluid;
   for_each_index<dim>(count, [&](const std::array<long, dim>& at) {
@@ -88,6 +123,7 @@ Particles<dim> fill_lattice(const Problem& problem, double spacing, const Table&
     while (body < solid.size() && !inside<dim>(problem.solids[body].body, x)) ++body;
     (body < solid.size() ? solid[body] : fluid).push_back(x);
   });
+  keep_inside_walls(fluid, spacing, walls);
   for (std::size_t b = 0; b < solid.size(); ++b) {
     const std::size_t first = particles.size();
     for (const auto& x : solid[b]) particles.add(x, Vector<dim>::Zero(), 0.0, Role::solid);
@@ -156,6 +192,69 @@ std::vector<Wall<dim>> walls_of(const Problem& problem) {
   return walls;
 }
 
+template <int dim>
+std::vector<PeriodicAxis> periodic_axes(const Problem& problem) {
+  std::vector<PeriodicAxis> axes;
+  if (!problem.periodic) return axes;
+  for (int d = 0; d < dim; ++d)
+    if (problem.periodic->axis[d])
+      axes.push_back({d, problem.channel.from[d], problem.channel.to[d]});
+  return axes;
+}
+
+/// `reach`: of the kernel; a mirror in a wall of smaller radius would fall past its centre.
+template <int dim>
+std::vector<ShapedWall<dim>> shaped_walls(const Document& document, const Problem& problem,
+                                          double reach) {
+  std::vector<ShapedWall<dim>> walls;
+  for (const auto& wall : problem.curved_walls) {
+    const Table table = document.table("curved_wall." + wall.name);
+    std::shared_ptr<const WallShape<dim>> shape;
+    try {
+      shape = wall_shape<dim>(wall);
+    } catch (const std::runtime_error& error) {
+      table.refuse("surface", error.what());
+    }
+    if (!(shape->smallest_radius() > reach))
+      table.refuse("", fmt::format("is curved to a radius of {:.4g} m, less than the kernel's "
+                                   "reach of {:.4g} m; use a smaller spacing",
+                                   shape->smallest_radius(), reach));
+    walls.push_back({std::move(shape), wall.no_slip});
+  }
+  return walls;
+}
+
+/// Gives the fluid the velocity that the scene starts with; solids start at rest. Returns the
+/// fastest.
+template <int dim>
+double start_velocity(const Problem& problem, const Document& document, Particles<dim>& particles) {
+  if (problem.initial_velocity.empty()) return 0.0;
+  double fastest = 0.0;
+  for (std::size_t i = particles.solids; i < particles.size(); ++i) {
+    std::array<double, 3> x{};
+    for (int d = 0; d < dim; ++d) x[d] = particles.position[i][d];
+    for (int d = 0; d < dim; ++d) particles.velocity[i][d] = problem.initial_velocity[d].value(x);
+    const double speed = particles.velocity[i].norm();
+    if (!std::isfinite(speed))
+      document.table("initial").refuse(
+          "velocity", fmt::format("is not finite at ({:.6g}, {:.6g}, {:.6g}) m", x[0], x[1], x[2]));
+    fastest = std::max(fastest, speed);
+  }
+  return fastest;
+}
+
+/// The fastest flow that the scene's own numbers show at once; 0 if none does.
+double visible_speed(const Problem& problem) {
+  // The flow speeds up in narrow places; the inflow's peak alone would be too low a scale.
+  double speed = problem.inflow ? 2.0 * 1.5 * problem.inflow->mean_velocity : 0.0;
+  for (const auto& motion : problem.wall_motion)
+    speed = std::max(speed, std::hypot(motion.velocity[0], motion.velocity[1], motion.velocity[2]));
+  return speed;
+}
+
+/// Sweeps that spread the fluid before the start; a lattice needs none.
+constexpr int relaxing_sweeps = 200;
+
 }  // namespace
 
 template <int dim>
@@ -169,32 +268,36 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
   if (!(spacing > 0.0)) sph.refuse("spacing", "must be positive");
   const double fixed_step = sph.quantity_or("time_step", dimension::time, "0 s");
   if (fixed_step < 0.0) sph.refuse("time_step", "must be positive, or 0 to let the limits decide");
-  const double default_speed = problem.inflow ? 1.5 * problem.inflow->mean_velocity : 0.0;
-  // The flow speeds up in narrow places; the inflow's peak alone would be too low a scale.
-  const double scale = sph.quantity_or("velocity_scale", dimension::velocity,
-                                       fmt::format("{} m/s", 2.0 * default_speed));
+  const double reach = 2.0 * numerics.smoothing_length_ratio * spacing;
+  auto shaped = shaped_walls<dim>(document, problem, reach);
+  auto particles = fill_lattice<dim>(problem, spacing, sph, shaped, scene.bodies);
+  const double start_speed = start_velocity(problem, document, particles);
+  const double scale =
+      sph.quantity_or("velocity_scale", dimension::velocity,
+                      fmt::format("{} m/s", std::max(visible_speed(problem), start_speed)));
   if (!(scale > 0.0))
     sph.refuse("velocity_scale",
-               "must be given for a scene without inflow: the fastest speed expected");
-
-  auto particles = fill_lattice<dim>(problem, spacing, sph, scene.bodies);
+               "must be given for a scene that shows no speed (no inflow, moving wall or initial "
+               "velocity): the fastest flow expected");
   check_thickness<dim>(document, problem, spacing, particles, scene.bodies, scene.warnings);
   const double disorder = sph.number_or("disorder", 0.0);
   if (disorder < 0.0 || disorder > 0.3)
     sph.refuse("disorder", "is a fraction of the spacing; choose 0 (the lattice) to 0.3");
   const long seed = sph.integer_or("seed", 1);
   if (disorder > 0.0) disturb(particles, disorder, static_cast<std::uint64_t>(seed));
-  scene.simulation =
-      std::make_unique<Simulation<dim>>(numerics, std::move(particles), walls_of<dim>(problem));
+  const bool cut = !shaped.empty();
+  scene.simulation = std::make_unique<Simulation<dim>>(
+      numerics, std::move(particles),
+      Images<dim>(walls_of<dim>(problem), periodic_axes<dim>(problem), std::move(shaped)));
   auto& simulation = *scene.simulation;
-  const double reach = simulation.state().kernel.support_radius();
   if (problem.inflow) simulation.add_inflow({*problem.inflow, problem.channel, spacing, reach});
-  if (problem.outflow)
-    simulation.add_outflow({*problem.outflow, problem.channel, spacing, reach, problem.density});
+  for (const auto& side : {problem.pressure_inflow, problem.outflow})
+    if (side) simulation.add_pressure_side({*side, problem.channel, spacing, reach});
   add_effects(scene, table);
   document.leave_unread("reference_fem");
   document.refuse_unread();
   simulation.start(scale, fixed_step);
+  if (cut) simulation.relax(relaxing_sweeps);
   return scene;
 }
 

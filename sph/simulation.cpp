@@ -2,6 +2,8 @@
 
 #include "scene/progress.hpp"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -53,14 +55,14 @@ const char* to_string(Action action) {
 }
 
 template <int dim>
-Simulation<dim>::Simulation(Numerics numerics, Particles<dim> particles,
-                            std::vector<Wall<dim>> walls)
+Simulation<dim>::Simulation(Numerics numerics, Particles<dim> particles, Images<dim> images)
     : numerics_(std::move(numerics)),
       state_{std::move(particles),
-             Images<dim>(std::move(walls)),
+             std::move(images),
              {},
              Kernel<dim>(numerics_.smoothing_length_ratio * state_.particles.spacing),
-             {}},
+             {},
+             Vector<dim>::Zero()},
       solver_(make_solver(numerics_.pressure_solver)) {
   const LatticeSums sums = lattice_sums(state_.kernel, state_.particles.spacing);
   full_weight_ = 2.0 * sums.gradient_weight;
@@ -73,20 +75,84 @@ void Simulation<dim>::start(double velocity_scale, double fixed_time_step) {
   velocity_scale_ = velocity_scale;
   fixed_time_step_ = fixed_time_step;
   auto& particles = state_.particles;
+  map_cells();
   for (const auto& side : inflow_) side.fill(particles);
-  for (const auto& side : outflow_) side.fill(particles);
-  box_low_ = box_high_ = particles.position[0];
-  for (const auto& x : particles.position) {
-    box_low_ = box_low_.cwiseMin(x);
-    box_high_ = box_high_.cwiseMax(x);
-  }
+  for (const auto& side : pressure_sides_) side.fill(particles);
   for (const auto& side : inflow_) open_planes_.push_back(side.plane());
-  for (const auto& side : outflow_) open_planes_.push_back(side.plane());
+  for (const auto& side : pressure_sides_) open_planes_.push_back(side.plane());
   whole_count_ = static_cast<double>(particles.unknowns);
   sort_by_role(particles, std::vector<bool>(particles.size(), false),
                state_.kernel.support_radius());
+  prescribe();
   build_support();
   rest_partition_ = state_.support.partition();
+}
+
+/// Coarse cells of 3 dx, and never narrower than a pair is long: larger ones take more iterations,
+/// smaller ones more time each. They fill a periodic axis evenly.
+template <int dim>
+void Simulation<dim>::map_cells() {
+  const auto& particles = state_.particles;
+  const double widest = std::max(3.0 * particles.spacing, state_.kernel.support_radius());
+  Vector<dim> low = particles.position[0], high = low;
+  for (const auto& x : particles.position) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  const double half = 0.5 * particles.spacing;
+  for (int d = 0; d < dim; ++d) {
+    double from = low[d] - half, to = high[d] + half;
+    for (const auto& period : state_.images.periodic())
+      if (period.axis == d) {
+        from = period.low;
+        to = period.high;
+        cells_.periodic[d] = true;
+      }
+    cells_.extent[d] = std::max(1, static_cast<int>(std::floor((to - from) / widest + 1e-9)));
+    cell_origin_[d] = from;
+    inverse_cell_[d] = cells_.extent[d] / (to - from);
+  }
+}
+
+/// What depends on time alone, at the clock's time: walls, uniform forces, columns.
+template <int dim>
+void Simulation<dim>::prescribe() {
+  auto& particles = state_.particles;
+  for (auto* effect : effects_.time_dependence) effect->set(state_);
+  for (const auto& side : pressure_sides_) {
+    side.copy_velocity(particles, state_.kernel);
+    side.prescribe(particles, state_.clock.time, state_.balanced_acceleration);
+  }
+  for (const auto& side : inflow_)
+    side.prescribe(particles.role, particles.position, particles.velocity, state_.clock.time);
+}
+
+template <int dim>
+void Simulation<dim>::relax(int sweeps) {
+  auto& particles = state_.particles;
+  const double dx = particles.spacing, cap = 0.05 * dx;
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    const auto& points = state_.images.points();
+    const std::size_t n = particles.unknowns;
+    displacement_.assign(n, Vector<dim>::Zero());
+#pragma omp parallel for schedule(static)
+    for (std::size_t i = particles.solids; i < n; ++i) {
+      const auto near = state_.support.of(i);
+      Vector<dim> sum = Vector<dim>::Zero();
+      for (std::size_t k = 0; k < near.index.size(); ++k)
+        sum -= near.gradient_factor[k] * (points[i] - points[near.index[k]]);
+      // Down the gradient of the filling; 0.2 dx^2 is a step well inside the diffusive limit.
+      sum *= 0.2 * dx * dx * particles.volume;
+      const double length = sum.norm();
+      displacement_[i] = length > cap ? Vector<dim>(cap / length * sum) : sum;
+    }
+    for (std::size_t i = particles.solids; i < n; ++i) {
+      particles.position[i] += displacement_[i];
+      state_.images.wrap(particles.position[i]);
+      state_.images.turn_back(particles.position[i]);
+    }
+    build_support();
+  }
 }
 
 template <int dim>
@@ -137,7 +203,8 @@ void Simulation<dim>::predict_velocity() {
                    state_.clock.time + dt);
 }
 
-/// Eq. 3's sum, sum_j V (u_j - u_i) . grad W_ij, 1/s.
+/// Eq. 3's sum, sum_j V (u_j - u_i) . grad W_ij, 1/s; with the corrected gradient where that is
+/// chosen.
 template <int dim>
 void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
                                  std::vector<double>& result) {
@@ -146,16 +213,47 @@ void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
   state_.images.extend_for_divergence(velocity, extended_velocity_);
   const std::size_t n = particles.unknowns;
   result.resize(n);
+  const bool corrected = !gradient_correction_.empty();
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
-    const auto neighbours = state_.support.of(i);
-    double sum = 0.0;
-    for (std::size_t k = 0; k < neighbours.index.size(); ++k) {
-      const std::int32_t j = neighbours.index[k];
-      sum += neighbours.gradient_factor[k] *
-             (extended_velocity_[j] - extended_velocity_[i]).dot(points[i] - points[j]);
+    const auto near = state_.support.of(i);
+    const Vector<dim> u = extended_velocity_[i], x = points[i];
+    if (corrected) {
+      Eigen::Matrix<double, dim, dim> sum = Eigen::Matrix<double, dim, dim>::Zero();
+      for (std::size_t k = 0; k < near.index.size(); ++k)
+        sum += (near.gradient_factor[k] * (extended_velocity_[near.index[k]] - u)) *
+               (x - points[near.index[k]]).transpose();
+      result[i] = particles.volume * (sum * gradient_correction_[i].transpose()).trace();
+      continue;
     }
+    double sum = 0.0;
+    for (std::size_t k = 0; k < near.index.size(); ++k)
+      sum += near.gradient_factor[k] *
+             (extended_velocity_[near.index[k]] - u).dot(x - points[near.index[k]]);
     result[i] = particles.volume * sum;
+  }
+}
+
+/// L_i with L_i sum_j V F_ij (x_j - x_i)(x_i - x_j)^T = 1 (Bonet & Lok 1999, Eq. 45). Where
+/// neighbours lie too much on one side (a free surface) it stays 1.
+template <int dim>
+void Simulation<dim>::correct_gradients() {
+  if (!numerics_.gradient_correction) return;
+  using Matrix = Eigen::Matrix<double, dim, dim>;
+  const auto& particles = state_.particles;
+  const auto& points = state_.images.points();
+  gradient_correction_.resize(particles.unknowns);
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < particles.unknowns; ++i) {
+    const auto near = state_.support.of(i);
+    Matrix moment = Matrix::Zero();
+    for (std::size_t k = 0; k < near.index.size(); ++k) {
+      const Vector<dim> r = points[i] - points[near.index[k]];
+      moment -= (particles.volume * near.gradient_factor[k]) * r * r.transpose();
+    }
+    constexpr double least_determinant = 0.2;  // of the whole lattice's 1
+    gradient_correction_[i] =
+        moment.determinant() > least_determinant ? Matrix(moment.inverse()) : Matrix::Identity();
   }
 }
 
@@ -206,7 +304,8 @@ void Simulation<dim>::solve_pressure() {
   const std::size_t n = particles.unknowns;
   {
     const Stopwatch watch(seconds_[std::size_t(Action::pressure_assembly)]);
-    matrix_.assemble(particles, state_.images, state_.support, vacuum_ ? full_weight_ : 0.0);
+    matrix_.assemble(particles, state_.images, state_.support, state_.kernel,
+                     vacuum_ ? full_weight_ : 0.0);
     divergence(particles.predicted_velocity, source_);
     add_density_feedback();
     for (std::size_t i = 0; i < n; ++i)
@@ -217,22 +316,18 @@ void Simulation<dim>::solve_pressure() {
       mean /= static_cast<double>(n);
       for (double& s : source_) s -= mean;
     }
-    // Coarse cells of 3 dx, and never narrower than a pair is long: larger ones take more
-    // iterations, smaller ones more time each.
-    const double cell = std::max(3.0 * particles.spacing, state_.kernel.support_radius());
-    std::array<std::int32_t, dim> extent;
-    for (int d = 0; d < dim; ++d)
-      extent[d] = static_cast<std::int32_t>((box_high_[d] - box_low_[d]) / cell) + 1;
-    cell_of_.resize(n);
+    cells_.cell_of.resize(n);
+#pragma omp parallel for schedule(static)
     for (std::size_t i = 0; i < n; ++i) {
       std::int32_t number = 0;
       for (int d = dim - 1; d >= 0; --d) {
-        const auto c = static_cast<std::int32_t>((particles.position[i][d] - box_low_[d]) / cell);
-        number = number * extent[d] + std::clamp(c, 0, extent[d] - 1);
+        const auto c = static_cast<std::int32_t>(
+            std::floor((particles.position[i][d] - cell_origin_[d]) * inverse_cell_[d]));
+        number = number * cells_.extent[d] + std::clamp(c, 0, cells_.extent[d] - 1);
       }
-      cell_of_[i] = number;
+      cells_.cell_of[i] = number;
     }
-    solver_->prepare(matrix_, cell_of_, extent);
+    solver_->prepare(matrix_, cells_);
   }
   const Stopwatch watch(seconds_[std::size_t(Action::pressure_solve)]);
   pressure_report_ = solver_->solve(matrix_, source_, {particles.pseudo_pressure.data(), n},
@@ -241,6 +336,12 @@ void Simulation<dim>::solve_pressure() {
     throw std::runtime_error("the pressure equation did not converge: relative residual " +
                              std::to_string(pressure_report_.relative_residual) + " after " +
                              std::to_string(pressure_report_.iterations) + " iterations");
+  if (!matrix_.singular()) return;
+  // Known up to a constant: the one of zero mean.
+  double mean = 0.0;
+  for (std::size_t i = 0; i < n; ++i) mean += particles.pseudo_pressure[i];
+  mean /= static_cast<double>(n);
+  for (std::size_t i = 0; i < n; ++i) particles.pseudo_pressure[i] -= mean;
 }
 
 template <int dim>
@@ -253,19 +354,25 @@ void Simulation<dim>::correct_velocity() {
   acceleration_.resize(n);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
-    const auto neighbours = state_.support.of(i);
     Vector<dim> sum = Vector<dim>::Zero();
-    const double psi_i = particles.pseudo_pressure[i];
-    for (std::size_t k = 0; k < neighbours.index.size(); ++k) {
-      const std::int32_t j = neighbours.index[k];
+    // On a whole lattice the terms with psi_i add up to zero, those of missing neighbours (psi = 0)
+    // included.
+    const double psi_i = vacuum_ ? 0.0 : particles.pseudo_pressure[i];
+    const auto inner = state_.support.inner(i);
+    for (std::size_t k = 0; k < inner.index.size(); ++k) {
+      const std::int32_t j = inner.index[k];
+      sum += inner.gradient_factor[k] * (psi_i - particles.pseudo_pressure[j]) *
+             (points[i] - points[j]);
+    }
+    const auto outer = state_.support.outer(i);
+    for (std::size_t k = 0; k < outer.index.size(); ++k) {
+      const std::int32_t j = outer.index[k];
       const std::int32_t s = state_.images.source(j);
       if (particles.role[s] == Role::inflow) continue;  // dpsi/dn = 0 there, as in the matrix
-      // On a whole lattice the terms with psi_i add up to zero, those of missing neighbours (psi =
-      // 0) included.
-      const double difference =
-          vacuum_ ? -particles.pseudo_pressure[s] : psi_i - particles.pseudo_pressure[s];
-      sum += neighbours.gradient_factor[k] * difference * (points[i] - points[j]);
+      sum += outer.gradient_factor[k] * (psi_i - particles.pseudo_pressure[s]) *
+             (points[i] - points[j]);
     }
+    if (!gradient_correction_.empty()) sum = gradient_correction_[i] * sum;
     acceleration_[i] = -scale * sum;
   }
   // The old velocity is still wanted by the mean of ACTION 8, so it is kept in place of u*.
@@ -299,7 +406,10 @@ void Simulation<dim>::move_particles() {
         mean ? Vector<dim>(0.5 * dt * (particles.velocity[i] + particles.predicted_velocity[i]))
              : Vector<dim>(dt * particles.velocity[i]);
   for (const auto& motion : effects_.motion) motion->add_displacement(state_, displacement_);
-  for (std::size_t i = 0; i < particles.size(); ++i) particles.position[i] += displacement_[i];
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    particles.position[i] += displacement_[i];
+    state_.images.wrap(particles.position[i]);
+  }
   Clock& clock = state_.clock;
   clock.time += dt;
   if (std::abs(clock.time - stop_at_) < 1e-9 * dt) clock.time = stop_at_;
@@ -316,10 +426,11 @@ void Simulation<dim>::update_support_and_mirrors() {
   for (std::size_t i = particles.unknowns; i < particles.size(); ++i)
     if (particles.role[i] == Role::outflow) state_.images.turn_back(particles.position[i]);
   for (const auto& side : inflow_) side.exchange(particles, state_.clock.time, books_);
-  for (const auto& side : outflow_) side.exchange(particles, books_);
+  for (const auto& side : pressure_sides_) side.exchange(particles, books_);
   dropped.assign(particles.size(), false);
   for (std::size_t i = particles.solids; i < particles.size(); ++i)
-    for (const auto& side : outflow_) dropped[i] = dropped[i] || side.beyond(particles.position[i]);
+    for (const auto& side : pressure_sides_)
+      dropped[i] = dropped[i] || side.beyond(particles.position[i]);
   for (std::size_t i = particles.solids; i < particles.size(); ++i) {
     if (particles.role[i] == Role::fluid && state_.images.outside_a_wall(particles.position[i])) {
       dropped[i] = true;
@@ -333,9 +444,7 @@ void Simulation<dim>::update_support_and_mirrors() {
   }
   const bool sort = state_.clock.step % steps_between_sorts == 0;
   sort_by_role(particles, dropped, sort ? state_.kernel.support_radius() : 0.0);
-  for (const auto& side : outflow_) side.copy_velocity(particles, state_.kernel);
-  for (const auto& side : inflow_)
-    side.prescribe(particles.role, particles.position, particles.velocity, state_.clock.time);
+  prescribe();
   build_support();
 }
 
@@ -343,7 +452,9 @@ template <int dim>
 void Simulation<dim>::build_support() {
   auto& particles = state_.particles;
   state_.images.mirror(particles, state_.kernel.support_radius());
-  state_.support.build(state_.kernel, state_.images.points(), particles.unknowns, particles.volume);
+  state_.support.build(state_.kernel, state_.images.points(), particles.unknowns, particles.volume,
+                       state_.images.weights());
+  correct_gradients();
 }
 
 template <int dim>
@@ -401,6 +512,7 @@ void Simulation<dim>::restore(const Archive& archive) {
   p.solids = static_cast<std::size_t>(counters[2]);
   p.unknowns = static_cast<std::size_t>(counters[3]);
   books_ = {counters[4], counters[5], counters[6], counters[7], counters[8]};
+  for (auto* effect : effects_.time_dependence) effect->set(state_);
   build_support();
 }
 

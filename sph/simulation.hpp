@@ -31,10 +31,12 @@ const char* to_string(Action action);
 /// The effects of a scene, by the role they play; built by the registry.
 template <int dim>
 struct Effects {
-  std::vector<std::unique_ptr<Acceleration<dim>>> body_forces;   ///< ACTION 4
-  std::vector<std::unique_ptr<Acceleration<dim>>> diffusion;     ///< ACTION 5
-  std::vector<std::unique_ptr<Motion<dim>>> motion;              ///< ACTION 8
-  std::vector<Constraint<dim>*> constraints;                     ///< ACTION 7
+  std::vector<std::unique_ptr<Acceleration<dim>>> body_forces;  ///< ACTION 4
+  std::vector<std::unique_ptr<Acceleration<dim>>> diffusion;    ///< ACTION 5
+  std::vector<std::unique_ptr<Motion<dim>>> motion;             ///< ACTION 8
+  std::vector<Constraint<dim>*> constraints;                    ///< ACTION 7
+  std::vector<std::unique_ptr<TimeDependence<dim>>> prescriptions;
+  std::vector<TimeDependence<dim>*> time_dependence;             ///< of any effect
   std::vector<std::unique_ptr<TimeStepLimit<dim>>> pure_limits;  ///< effects that do nothing else
   std::vector<const TimeStepLimit<dim>*> limits;
 };
@@ -47,16 +49,20 @@ struct TimeStepChoice {
 template <int dim>
 class Simulation {
  public:
-  Simulation(Numerics numerics, Particles<dim> particles, std::vector<Wall<dim>> walls);
+  Simulation(Numerics numerics, Particles<dim> particles, Images<dim> images);
 
   /// Set-up: boundaries and effects are added before the first call of start().
   void add_inflow(InflowSide<dim> side) { inflow_.push_back(std::move(side)); }
-  void add_outflow(OutflowSide<dim> side) { outflow_.push_back(std::move(side)); }
+  void add_pressure_side(PressureColumns<dim> side) { pressure_sides_.push_back(std::move(side)); }
   Effects<dim>& effects() { return effects_; }
   /// Builds the first support lists (ACTION 3). `velocity_scale` (m/s) is the fastest flow
   /// expected, for the CFL limit and the rate of the density feedback. `fixed_time_step`: 0 lets
   /// the limits decide.
   void start(double velocity_scale, double fixed_time_step);
+
+  /// Spreads the fluid evenly before the start: on a lattice cut by curved walls the gaps differ.
+  /// Walls, columns and solids stay. Called after start(), which it calls for.
+  void relax(int sweeps);
 
   /// A body in vacuum: its sides are free surfaces at zero pressure, and the density feedback aims
   /// at each particle's own filling at rest. Called before start(); for tests of the material, not
@@ -84,7 +90,7 @@ class Simulation {
   const SolveReport& pressure_report() const { return pressure_report_; }
   const ParticleBooks& books() const { return books_; }
   double inflow_flux() const;
-  const std::vector<OutflowSide<dim>>& outflow() const { return outflow_; }
+  const std::vector<PressureColumns<dim>>& pressure_sides() const { return pressure_sides_; }
   /// Root mean square of the divergence (Eq. 3's sum) that the corrector left, 1/s.
   double remaining_divergence();
   const std::array<double, action_count>& seconds() const { return seconds_; }
@@ -97,6 +103,9 @@ class Simulation {
  private:
   void divergence(const std::vector<Vector<dim>>& velocity, std::vector<double>& result);
   void build_support();
+  void correct_gradients();
+  void prescribe();
+  void map_cells();
   double particles_inside() const;
   void add_density_feedback();
 
@@ -104,7 +113,7 @@ class Simulation {
   State<dim> state_;
   Effects<dim> effects_;
   std::vector<InflowSide<dim>> inflow_;
-  std::vector<OutflowSide<dim>> outflow_;
+  std::vector<PressureColumns<dim>> pressure_sides_;
   std::unique_ptr<PressureSolver> solver_;
   PressureMatrix matrix_;
   SolveReport pressure_report_;
@@ -117,14 +126,16 @@ class Simulation {
   double full_weight_ = 0.0;            ///< sum of a_ij on the whole lattice, for free surfaces
   std::vector<double> rest_partition_;  ///< of each particle in vacuum
   double whole_count_ = 0.0;            ///< particles that the domain holds at the fluid's density
-  Vector<dim> box_low_, box_high_;
+  Vector<dim> cell_origin_, inverse_cell_;  ///< of the coarse cells of the pressure equation
+  CellMap cells_;
   std::array<double, action_count> seconds_{};
 
   std::vector<Vector<dim>> acceleration_;
   std::vector<Vector<dim>> displacement_;
   std::vector<Vector<dim>> extended_velocity_;
   std::vector<double> source_;
-  std::vector<std::int32_t> cell_of_;
+  /// Of each particle, to be applied to its sums over V F r; empty without gradient correction.
+  std::vector<Eigen::Matrix<double, dim, dim>> gradient_correction_;
 };
 
 }  // namespace sprung::sph

@@ -2,6 +2,7 @@
 
 #include "sph/neighbours.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -75,14 +76,16 @@ template <int dim>
 void InflowSide<dim>::prescribe(std::span<const Role> role, std::span<const Vector<dim>> position,
                                 std::span<Vector<dim>> velocity, double time) const {
   for (std::size_t i = 0; i < role.size(); ++i)
-    if (role[i] == Role::inflow) velocity[i] = velocity_at(position[i], time);
+    if (role[i] == Role::inflow && owns(position[i])) velocity[i] = velocity_at(position[i], time);
 }
 
 template <int dim>
 void InflowSide<dim>::exchange(Particles<dim>& particles, double time, ParticleBooks& books) const {
   const std::size_t n = particles.size();
   for (std::size_t i = particles.unknowns; i < n; ++i) {
-    if (particles.role[i] != Role::inflow || plane_.depth(particles.position[i]) > 0.0) continue;
+    if (particles.role[i] != Role::inflow || !owns(particles.position[i]) ||
+        plane_.depth(particles.position[i]) > 0.0)
+      continue;
     particles.role[i] = Role::fluid;
     ++books.entered;
     Vector<dim> x = particles.position[i];
@@ -103,35 +106,60 @@ double InflowSide<dim>::flux(double time) const {
 }
 
 template <int dim>
-OutflowSide<dim>::OutflowSide(const PressureSide& outflow, const Box& channel, double spacing,
-                              double reach, double density)
-    : plane_(open_plane<dim>(channel, outflow.side)),
+PressureColumns<dim>::PressureColumns(const PressureSide& side, const Box& channel, double spacing,
+                                      double reach)
+    : side_(side),
+      plane_(open_plane<dim>(channel, side.side)),
       low_(as_vector<dim>(channel.from)),
       high_(as_vector<dim>(channel.to)),
       spacing_(spacing),
-      columns_(static_cast<int>(std::ceil(reach / spacing - 1e-9))),
-      pseudo_pressure_(-outflow.pressure / density) {}
+      columns_(static_cast<int>(std::ceil(reach / spacing - 1e-9))) {}
 
 template <int dim>
-void OutflowSide<dim>::fill(Particles<dim>& particles) const {
+void PressureColumns<dim>::fill(Particles<dim>& particles) const {
   for_each_site<dim>(plane_, low_, high_, spacing_, columns_, [&](const Vector<dim>& x) {
-    particles.add(x, Vector<dim>::Zero(), pseudo_pressure_, Role::outflow);
+    particles.add(x, Vector<dim>::Zero(), 0.0, Role::outflow);
   });
 }
 
 template <int dim>
-void OutflowSide<dim>::exchange(Particles<dim>& particles, ParticleBooks& books) const {
-  for (std::size_t i = particles.solids; i < particles.size(); ++i) {
-    const bool outside = plane_.depth(particles.position[i]) > 0.0;
+void PressureColumns<dim>::exchange(Particles<dim>& particles, ParticleBooks& books) const {
+  std::vector<Vector<dim>> outermost;
+  std::vector<Vector<dim>> wanted;
+  const std::size_t n = particles.size();
+  for (std::size_t i = particles.solids; i < n; ++i) {
+    const Vector<dim>& x = particles.position[i];
+    if (!owns(x)) continue;
+    const bool outside = plane_.depth(x) > 0.0;
     if (particles.role[i] == Role::fluid && outside) {
       particles.role[i] = Role::outflow;
       ++books.left;
     } else if (particles.role[i] == Role::outflow && !outside) {
       particles.role[i] = Role::fluid;
       ++books.returned;
+      wanted.push_back(x);
+      wanted.back()[plane_.axis] += plane_.outward * depth();
     }
-    if (particles.role[i] == Role::outflow) particles.pseudo_pressure[i] = pseudo_pressure_;
+    if (particles.role[i] == Role::outflow && plane_.depth(x) > depth() - 1.5 * spacing_)
+      outermost.push_back(x);
   }
+  // One that shifting had pushed out for a moment left no gap behind.
+  const double room = 0.6 * spacing_;
+  for (const auto& x : wanted) {
+    const bool taken = std::any_of(outermost.begin(), outermost.end(), [&](const Vector<dim>& y) {
+      return (x - y).squaredNorm() < room * room;
+    });
+    if (!taken) particles.add(x, Vector<dim>::Zero(), 0.0, Role::outflow);
+  }
+}
+
+template <int dim>
+void PressureColumns<dim>::prescribe(Particles<dim>& particles, double time,
+                                     const Vector<dim>& balanced) const {
+  const double psi = -side_.pressure_at(time) / particles.density;
+  for (std::size_t i = particles.unknowns; i < particles.size(); ++i)
+    if (particles.role[i] == Role::outflow && owns(particles.position[i]))
+      particles.pseudo_pressure[i] = psi + balanced.dot(particles.position[i]);
 }
 
 namespace {
@@ -142,23 +170,23 @@ std::vector<Vector<dim>> averages_near_plane(const Particles<dim>& particles,
                                              const OpenPlane<dim>& plane, double reach,
                                              const std::vector<Vector<dim>>& places,
                                              const Kernel<dim>& kernel) {
-  std::vector<Vector<dim>> points = places;
+  std::vector<Vector<dim>> points;
   std::vector<std::int32_t> source;
   for (std::size_t i = 0; i < particles.unknowns; ++i)
     if (plane.depth(particles.position[i]) > -reach) {
       points.push_back(particles.position[i]);
       source.push_back(static_cast<std::int32_t>(i));
     }
-  Support<dim> support;
-  support.build(kernel, points, places.size(), particles.volume);
   std::vector<Vector<dim>> average(places.size(), Vector<dim>::Zero());
+  if (points.empty()) return average;
+  Support<dim> support;
+  support.build_around(kernel, places, points, particles.volume);
   for (std::size_t p = 0; p < places.size(); ++p) {
     double weight = 0.0;
     for (const std::int32_t j : support.of(p).index) {
-      if (static_cast<std::size_t>(j) < places.size()) continue;
-      const double w = kernel.value((points[p] - points[j]).norm());
+      const double w = kernel.value((places[p] - points[j]).norm());
       weight += w;
-      average[p] += w * particles.velocity[source[j - places.size()]];
+      average[p] += w * particles.velocity[source[j]];
     }
     if (weight > 0.0) average[p] /= weight;
   }
@@ -168,11 +196,12 @@ std::vector<Vector<dim>> averages_near_plane(const Particles<dim>& particles,
 }  // namespace
 
 template <int dim>
-void OutflowSide<dim>::copy_velocity(Particles<dim>& particles, const Kernel<dim>& kernel) const {
+void PressureColumns<dim>::copy_velocity(Particles<dim>& particles,
+                                         const Kernel<dim>& kernel) const {
   std::vector<Vector<dim>> mirrored;
   std::vector<std::size_t> target;
   for (std::size_t i = particles.unknowns; i < particles.size(); ++i)
-    if (particles.role[i] == Role::outflow) {
+    if (particles.role[i] == Role::outflow && owns(particles.position[i])) {
       Vector<dim> x = particles.position[i];
       x[plane_.axis] = 2.0 * plane_.place - x[plane_.axis];
       mirrored.push_back(x);
@@ -209,8 +238,8 @@ void sort_by_role(Particles<dim>& particles, const std::vector<bool>& dropped, d
 
 template class InflowSide<2>;
 template class InflowSide<3>;
-template class OutflowSide<2>;
-template class OutflowSide<3>;
+template class PressureColumns<2>;
+template class PressureColumns<3>;
 template OpenPlane<2> open_plane<2>(const Box&, Side);
 template OpenPlane<3> open_plane<3>(const Box&, Side);
 template void sort_by_role<2>(Particles<2>&, const std::vector<bool>&, double);

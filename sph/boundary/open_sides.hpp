@@ -9,8 +9,8 @@ namespace sprung::sph {
 /// Why particles were created and removed.
 struct ParticleBooks {
   std::int64_t entered = 0;   ///< became fluid at an inflow side
-  std::int64_t left = 0;      ///< became part of an outflow column
-  std::int64_t returned = 0;  ///< came back from an outflow column
+  std::int64_t left = 0;      ///< became part of a pressure column
+  std::int64_t returned = 0;  ///< became fluid out of a pressure column
   std::int64_t upstream = 0;  ///< fluid that crossed an inflow side outwards, removed
   std::int64_t lost = 0;      ///< fluid found outside a wall, removed
 };
@@ -48,6 +48,7 @@ class InflowSide {
   const OpenPlane<dim>& plane() const { return plane_; }
 
  private:
+  bool owns(const Vector<dim>& x) const { return plane_.depth(x) > -spacing_; }
   Inflow inflow_;
   OpenPlane<dim> plane_;
   Vector<dim> low_, high_;
@@ -55,16 +56,18 @@ class InflowSide {
   int columns_;
 };
 
-/// Columns at the prescribed pressure. A particle that crosses the side joins them; past the
-/// outermost it is removed. Their velocity is that of the interior, mirrored in the side, so that
-/// du/dn = 0 there.
+/// Columns at the prescribed pressure, through which fluid passes either way. A particle that
+/// crosses the side outwards joins them, and past the outermost it is removed; one that crosses
+/// inwards becomes fluid, and a new one enters the outermost column in its row if there is room.
+/// Their velocity is that of the interior, mirrored in the side, so that du/dn = 0 there.
 template <int dim>
-class OutflowSide {
+class PressureColumns {
  public:
-  OutflowSide(const PressureSide& outflow, const Box& channel, double spacing, double reach,
-              double density);
+  PressureColumns(const PressureSide& side, const Box& channel, double spacing, double reach);
   void fill(Particles<dim>& particles) const;
   void exchange(Particles<dim>& particles, ParticleBooks& books) const;
+  /// The prescribed pressure; `balanced` as in State.
+  void prescribe(Particles<dim>& particles, double time, const Vector<dim>& balanced) const;
   /// Gives the columns the velocity of the interior at the mirrored place (kernel average).
   void copy_velocity(Particles<dim>& particles, const Kernel<dim>& kernel) const;
   double depth() const { return columns_ * spacing_; }
@@ -73,11 +76,12 @@ class OutflowSide {
   const OpenPlane<dim>& plane() const { return plane_; }
 
  private:
+  bool owns(const Vector<dim>& x) const { return plane_.depth(x) > -spacing_; }
+  PressureSide side_;
   OpenPlane<dim> plane_;
   Vector<dim> low_, high_;
   double spacing_;
   int columns_;
-  double pseudo_pressure_;
 };
 
 /// Puts particles in the order that Particles states and drops those marked. `cell` > 0 also sorts

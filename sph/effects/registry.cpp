@@ -1,5 +1,7 @@
 #include "sph/effects/registry.hpp"
 
+#include "sph/effects/gravity.hpp"
+#include "sph/effects/moving_walls.hpp"
 #include "sph/effects/printed_integrator.hpp"
 #include "sph/effects/shifting.hpp"
 #include "sph/effects/viscosity.hpp"
@@ -27,6 +29,33 @@ bool add_viscosity(ParticleScene<dim>& scene, const ModulusTable&) {
   simulation.effects().diffusion.push_back(std::move(effect));
   scene.effects.push_back(
       fmt::format("viscosity: the scene has [viscosity], nu = {:.3g} m2/s", nu));
+  return true;
+}
+
+template <int dim>
+bool add_gravity(ParticleScene<dim>& scene, const ModulusTable&) {
+  if (!scene.problem.gravity) return false;
+  auto& simulation = *scene.simulation;
+  auto effect = std::make_unique<GravityEffect<dim>>(*scene.problem.gravity,
+                                                     simulation.state().images.periodic());
+  scene.effects.push_back(
+      effect->drives()
+          ? "gravity: the scene has [gravity], and a periodic axis along which it drives the flow"
+          : "gravity: the scene has [gravity]; pressure balances it, the motion does not feel it");
+  simulation.effects().time_dependence.push_back(effect.get());
+  simulation.effects().body_forces.push_back(std::move(effect));
+  return true;
+}
+
+template <int dim>
+bool add_moving_walls(ParticleScene<dim>& scene, const ModulusTable&) {
+  if (scene.problem.wall_motion.empty()) return false;
+  auto& effects = scene.simulation->effects();
+  effects.prescriptions.push_back(std::make_unique<MovingWalls<dim>>(
+      scene.problem.wall_motion, scene.simulation->state().images));
+  effects.time_dependence.push_back(effects.prescriptions.back().get());
+  for (const auto& motion : scene.problem.wall_motion)
+    scene.effects.push_back(fmt::format("moving wall: [wall_motion.{}]", to_string(motion.side)));
   return true;
 }
 
@@ -123,6 +152,8 @@ template <int dim>
 void add_effects(ParticleScene<dim>& scene, const ModulusTable& table) {
   constexpr Row<dim> rows[] = {
       {"viscosity", add_viscosity<dim>, "a table [viscosity]"},
+      {"gravity", add_gravity<dim>, "a table [gravity]"},
+      {"moving walls", add_moving_walls<dim>, "a table [wall_motion.<side>]"},
       {"springs", add_springs<dim>, "a table [solid.<name>]"},
       {"limit of the printed integrator", add_printed_integrator<dim>,
        "numerics.position_update = \"mean_velocity\" with explicit springs"},

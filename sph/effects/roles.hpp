@@ -25,6 +25,14 @@ struct State {
   Support<dim> support;
   Kernel<dim> kernel;
   Clock clock;
+  /// The part of a uniform force per mass that pressure alone balances, m/s2. It never enters the
+  /// motion: pseudo_pressure is psi + a . x, and only what shows or prescribes a pressure uses it.
+  Vector<dim> balanced_acceleration = Vector<dim>::Zero();
+  /// p in Pa of particle i.
+  double pressure(std::size_t i) const {
+    return particles.density *
+           (balanced_acceleration.dot(particles.position[i]) - particles.pseudo_pressure[i]);
+  }
 };
 
 /// Adds to the acceleration (m/s2) of the particles that have an equation.
@@ -34,6 +42,15 @@ class Acceleration {
   virtual ~Acceleration() = default;
   virtual void add_acceleration(const State<dim>& state,
                                 std::vector<Vector<dim>>& acceleration) = 0;
+};
+
+/// Sets what depends on time alone (the speed of a wall, a uniform force).
+template <int dim>
+class TimeDependence {
+ public:
+  virtual ~TimeDependence() = default;
+  /// Called at the start and whenever the clock has moved.
+  virtual void set(State<dim>& state) = 0;
 };
 
 /// Bounds the time step.

@@ -27,8 +27,7 @@ namespace {
 
 class Bicgstab final : public PressureSolver {
  public:
-  void prepare(const PressureMatrix& matrix, std::span<const std::int32_t>,
-               std::span<const std::int32_t>) override {
+  void prepare(const PressureMatrix& matrix, const CellMap&) override {
     const std::size_t n = matrix.rows();
     for (auto* v : {&r_, &r0_, &p_, &v_, &s_, &t_, &y_, &z_}) v->assign(n, 0.0);
   }

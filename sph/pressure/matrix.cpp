@@ -4,31 +4,56 @@
 
 namespace sprung::sph {
 
+namespace {
+
+/// a_ij of particle i and image `index`. In a curved wall i's distance to the mirror of j is not
+/// quite j's to the mirror of i, nor are the mirrored volumes equal: the mean of both makes the
+/// matrix symmetric. A pair that only one of them sees is at the kernel's rim and left out.
+template <int dim>
+double coefficient(const Images<dim>& images, std::size_t i, std::int32_t index, double a,
+                   const Kernel<dim>& kernel, double scale) {
+  if (!images.by_shaped_wall(index)) return a;
+  const auto opposite = images.opposite(static_cast<std::int32_t>(i), index);
+  if (opposite.distance < 0.0 || opposite.distance >= kernel.support_radius()) return 0.0;
+  return 0.5 * (a + scale * opposite.weight * kernel.gradient_factor(opposite.distance));
+}
+
+}  // namespace
+
 template <int dim>
 void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>& images,
-                              const Support<dim>& support, double full_weight) {
+                              const Support<dim>& support, const Kernel<dim>& kernel,
+                              double full_weight) {
   const std::size_t n = particles.unknowns;
-  first_.resize(n + 1);
-  lower_.resize(n);
-  upper_.resize(n);
+  column_ = support.indices();
+  factor_ = support.gradient_factors();
+  first_ = support.starts();
+  lower_ = support.lower_counts();
+  inner_ = support.inner_counts();
+  scale_ = -2.0 * particles.volume;
   diagonal_.resize(n);
   boundary_source_.resize(n);
-  first_[0] = 0;
-  for (std::size_t i = 0; i < n; ++i) first_[i + 1] = first_[i] + support.of(i).index.size();
-  if (column_.size() < first_[n]) {
-    column_.resize(first_[n] + first_[n] / 16);
-    value_.resize(first_[n] + first_[n] / 16);
+  folded_.resize(n);
+  std::int32_t outer = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    folded_[i].begin = outer;
+    outer += static_cast<std::int32_t>(support.outer(i).index.size());
   }
-  const double scale = -2.0 * particles.volume;
+  folded_column_.resize(outer);
+  folded_value_.resize(outer);
   bool pinned = false;
 #pragma omp parallel for schedule(static) reduction(|| : pinned)
   for (std::size_t i = 0; i < n; ++i) {
-    const auto neighbours = support.of(i);
-    std::size_t front = first_[i], back = first_[i + 1];
     double diagonal = 0.0, source = 0.0;
-    for (std::size_t k = 0; k < neighbours.index.size(); ++k) {
-      const std::int32_t j = images.source(neighbours.index[k]);
-      const double a = scale * neighbours.gradient_factor[k];
+    for (const double f : support.inner(i).gradient_factor) diagonal += scale_ * f;
+    const auto outside = support.outer(i);
+    // Lower columns grow from the begin of the row's room, upper ones from its end.
+    std::int32_t front = folded_[i].begin;
+    std::int32_t back = front + static_cast<std::int32_t>(outside.index.size());
+    const std::int32_t room = back;
+    for (std::size_t k = 0; k < outside.index.size(); ++k) {
+      const std::int32_t j = images.source(outside.index[k]);
+      double a = scale_ * outside.gradient_factor[k];
       if (static_cast<std::size_t>(j) >= n) {
         if (particles.role[j] == Role::inflow) continue;
         diagonal += a;
@@ -37,21 +62,22 @@ void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>
         continue;
       }
       if (static_cast<std::size_t>(j) == i) continue;
+      a = coefficient(images, i, outside.index[k], a, kernel, scale_);
       diagonal += a;
-      // Lower entries grow from the row's begin, upper ones from its end; where nothing was left
-      // out they meet.
-      const std::size_t place = static_cast<std::size_t>(j) < i ? front++ : --back;
-      column_[place] = j;
-      value_[place] = a;
+      const std::int32_t place = static_cast<std::size_t>(j) < i ? front++ : --back;
+      folded_column_[place] = j;
+      folded_value_[place] = a;
     }
     if (diagonal < full_weight) {
       diagonal = full_weight;
       pinned = true;
     }
-    lower_[i] = static_cast<std::int32_t>(front - first_[i]);
-    upper_[i] = static_cast<std::int32_t>(first_[i + 1] - back);
-    std::copy(&column_[back], &column_[first_[i + 1]], &column_[front]);
-    std::copy(&value_[back], &value_[first_[i + 1]], &value_[front]);
+    std::copy(folded_column_.begin() + back, folded_column_.begin() + room,
+              folded_column_.begin() + front);
+    std::copy(folded_value_.begin() + back, folded_value_.begin() + room,
+              folded_value_.begin() + front);
+    folded_[i].upper = front;
+    folded_[i].end = front + (room - back);
     diagonal_[i] = diagonal;
     boundary_source_[i] = source;
   }
@@ -63,15 +89,14 @@ void PressureMatrix::multiply(std::span<const double> x, std::span<double> y) co
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
     double sum = diagonal_[i] * x[i];
-    const Row row = off_diagonal(i);
-    for (std::int32_t k = 0; k < row.count; ++k) sum -= row.value[k] * x[row.column[k]];
+    for_each(i, [&](std::int32_t j, double a) { sum -= a * x[j]; });
     y[i] = sum;
   }
 }
 
 template void PressureMatrix::assemble<2>(const Particles<2>&, const Images<2>&, const Support<2>&,
-                                          double);
+                                          const Kernel<2>&, double);
 template void PressureMatrix::assemble<3>(const Particles<3>&, const Images<3>&, const Support<3>&,
-                                          double);
+                                          const Kernel<3>&, double);
 
 }  // namespace sprung::sph

@@ -1,7 +1,7 @@
 #pragma once
 /// Solvers of the pressure equation. One virtual call per solve; none inside a sweep.
 
-#include "sph/pressure/matrix.hpp"
+#include "sph/pressure/cell_levels.hpp"
 
 #include <memory>
 #include <string>
@@ -17,17 +17,16 @@ struct SolveReport {
 class PressureSolver {
  public:
   virtual ~PressureSolver() = default;
-  /// Called once per matrix, before the first solve with it. `cell_of` groups the unknowns for
-  /// solvers with a coarse level.
-  virtual void prepare(const PressureMatrix& matrix, std::span<const std::int32_t> cell_of,
-                       std::span<const std::int32_t> cell_extent) = 0;
+  /// Called once per matrix, before the first solve with it. `map` groups the unknowns for solvers
+  /// with coarse levels; it must stay until the last solve.
+  virtual void prepare(const PressureMatrix& matrix, const CellMap& map) = 0;
   /// Improves `x` until |b - A x| <= tolerance |b|. `x` comes in as the first guess.
   virtual SolveReport solve(const PressureMatrix& matrix, std::span<const double> b,
                             std::span<double> x, double tolerance) = 0;
 };
 
-/// Conjugate gradients, preconditioned by one symmetric Gauss-Seidel sweep and a piecewise constant
-/// coarse grid of search cells that CHOLMOD solves directly.
+/// Conjugate gradients, preconditioned by one symmetric Gauss-Seidel sweep and a V-cycle on the
+/// cells.
 std::unique_ptr<PressureSolver> make_two_level_solver();
 /// BiCGSTAB with the diagonal, the paper's choice (van der Vorst 1992).
 std::unique_ptr<PressureSolver> make_bicgstab_solver();

@@ -157,7 +157,7 @@ Simulation<2> dumbbell(PositionUpdate update, double z) {
   auto particles = test::particles_at<2>({{0.0, 0.0}, {3.0 * dx, 0.0}}, dx, Role::solid);
   const double dt = z / std::sqrt(2.0 * stiffness / particles.mass());
   ElasticNetwork<2> network{particles.position, 2, {{0, 1, 3.0 * dx, stiffness}}, {}, {}};
-  Simulation<2> simulation(numerics, std::move(particles), {});
+  Simulation<2> simulation(numerics, std::move(particles), Images<2>({}));
   simulation.effects().body_forces.push_back(std::make_unique<ElasticSolid<2>>(
       network, simulation.state().particles, SpringIntegration::explicit_force));
   simulation.stand_in_vacuum();

@@ -65,7 +65,7 @@ double laplacian_error(int n, const Numerics& numerics) {
   const auto simulation = box<dim>(n, numerics);
   const auto& state = simulation.state();
   PressureMatrix matrix;
-  matrix.assemble(state.particles, state.images, state.support);
+  matrix.assemble(state.particles, state.images, state.support, state.kernel);
   std::vector<double> psi, product(matrix.rows());
   for (const auto& x : state.particles.position) psi.push_back(cosines<dim>(x));
   matrix.multiply(psi, product);  // sum a_ij (psi_i - psi_j) = -lap psi = dim pi^2 psi

@@ -16,8 +16,7 @@ struct Box {
   Support<dim> support;
   Kernel<dim> kernel;
   PressureMatrix matrix;
-  std::vector<std::int32_t> cell_of;
-  std::array<std::int32_t, dim> extent;
+  CellMap map;
 
   Box(const std::array<int, dim>& count, bool outflow, double jitter = 0.2)
       : images({}), kernel(1.3 * dx) {
@@ -37,17 +36,17 @@ struct Box {
     images = Images<dim>(walls);
     images.mirror(particles, kernel.support_radius());
     support.build(kernel, images.points(), particles.unknowns, particles.volume);
-    matrix.assemble(particles, images, support);
+    matrix.assemble(particles, images, support, kernel);
     // Cells wider than the support, as the two-level solver asks for.
     const double cell = 3.5 * dx;
-    for (int d = 0; d < dim; ++d) extent[d] = static_cast<std::int32_t>(high[d] / cell) + 1;
+    for (int d = 0; d < dim; ++d) map.extent[d] = static_cast<std::int32_t>(high[d] / cell) + 1;
     for (std::size_t i = 0; i < particles.unknowns; ++i) {
       std::int32_t number = 0;
       for (int d = dim - 1; d >= 0; --d)
-        number = number * extent[d] +
+        number = number * map.extent[d] +
                  std::clamp(static_cast<std::int32_t>(particles.position[i][d] / cell), 0,
-                            extent[d] - 1);
-      cell_of.push_back(number);
+                            map.extent[d] - 1);
+      map.cell_of.push_back(number);
     }
   }
 
@@ -150,7 +149,7 @@ TEST(PressureMatrix, InflowColumnsHaveNoSay) {
   Support<2> support;
   support.build(Kernel<2>(0.13), images.points(), particles.unknowns, particles.volume);
   PressureMatrix matrix;
-  matrix.assemble(particles, images, support);
+  matrix.assemble(particles, images, support, Kernel<2>(0.13));
   EXPECT_TRUE(matrix.singular());
   for (const double s : matrix.boundary_source()) EXPECT_EQ(s, 0.0);
 }
@@ -170,7 +169,7 @@ void expect_dense_solution(const Box<dim>& box, PressureSolver& solver) {
     expected = a.ldlt().solve(b);
   }
   std::vector<double> x(n, 0.0);
-  solver.prepare(box.matrix, box.cell_of, box.extent);
+  solver.prepare(box.matrix, box.map);
   const auto report = solver.solve(box.matrix, {b.data(), std::size_t(n)}, x, 1e-12);
   EXPECT_TRUE(report.converged);
   EXPECT_GT(report.iterations, 0);
@@ -205,7 +204,7 @@ TEST(PressureSolver, ZeroRightSideGivesZero) {
   for (const auto& solver : {make_two_level_solver(), make_bicgstab_solver()}) {
     std::vector<double> x(box.matrix.rows(), 3.0);
     const std::vector<double> b(x.size(), 0.0);
-    solver->prepare(box.matrix, box.cell_of, box.extent);
+    solver->prepare(box.matrix, box.map);
     EXPECT_TRUE(solver->solve(box.matrix, b, x, 1e-6).converged);
     for (const double value : x) EXPECT_EQ(value, 0.0);
   }
@@ -223,7 +222,7 @@ TEST(PressureSolver, ManyParticles) {
   const auto two_level = make_two_level_solver(), bicgstab = make_bicgstab_solver();
   int k = 0;
   for (PressureSolver* solver : {two_level.get(), bicgstab.get()}) {
-    solver->prepare(box.matrix, box.cell_of, box.extent);
+    solver->prepare(box.matrix, box.map);
     const auto report = solver->solve(box.matrix, {b.data(), n}, x[k], 1e-10);
     std::vector<double> product(n);
     box.matrix.multiply(x[k], product);
@@ -249,7 +248,7 @@ TEST(PressureSolver, StartsFromTheGuessItIsGiven) {
   const Eigen::VectorXd b = uneven_vector(static_cast<Eigen::Index>(n));
   for (const auto& solver : {make_two_level_solver(), make_bicgstab_solver()}) {
     std::vector<double> x(n, 0.0);
-    solver->prepare(box.matrix, box.cell_of, box.extent);
+    solver->prepare(box.matrix, box.map);
     solver->solve(box.matrix, {b.data(), n}, x, 1e-8);
     EXPECT_EQ(solver->solve(box.matrix, {b.data(), n}, x, 1.001e-8).iterations, 0);
   }

@@ -1,0 +1,55 @@
+#pragma once
+/// Where a curved wall is: distance, normal and curvature at any place near it.
+
+#include "sph/vector.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace sprung::sph {
+
+/// The wall seen from a place: the nearest point of it lies at x - distance normal.
+template <int dim>
+struct WallView {
+  double distance = 0.0;  ///< m, positive on the fluid's side
+  Vector<dim> normal;     ///< unit, into the fluid
+  /// Sum and product of the principal curvatures (1/m, 1/m2) of the wall at the nearest point,
+  /// positive where normals diverge (the outside of a cylinder). In the plane the product is 0.
+  double curvature_sum = 0.0;
+  double curvature_product = 0.0;
+  /// Volume of a small region mirrored in the wall over its own: parallel surfaces at distances d
+  /// and -d have areas in the ratio prod(1 - k d) / prod(1 + k d). At least 0.
+  double mirrored_volume() const {
+    const double d = distance;
+    const double outer = 1.0 + curvature_sum * d + curvature_product * d * d;
+    const double inner = 1.0 - curvature_sum * d + curvature_product * d * d;
+    return outer > 0.0 && inner > 0.0 ? inner / outer : 0.0;
+  }
+};
+
+/// A piece of the wall.
+template <int dim>
+struct WallPatch {
+  Vector<dim> centre;  ///< m
+  Vector<dim> normal;  ///< unit, into the fluid
+  double area = 0.0;   ///< m2; m in the plane
+};
+
+template <int dim>
+class WallShape {
+ public:
+  virtual ~WallShape() = default;
+  virtual WallView<dim> view(const Vector<dim>& x) const = 0;
+  /// Smallest radius of curvature towards which a mirror particle may fall (m): the reach of the
+  /// kernel must stay below it. Infinity where the wall is flat.
+  virtual double smallest_radius() const = 0;
+  /// The wall in pieces no longer than about `size` (m). A cylinder has no end of its own and is
+  /// not cut: empty.
+  virtual std::vector<WallPatch<dim>> patches(double size) const = 0;
+};
+
+/// Throws std::runtime_error with the reason when a surface file cannot be used.
+template <int dim>
+std::unique_ptr<WallShape<dim>> wall_shape(const CurvedWall& wall);
+
+}  // namespace sprung::sph
