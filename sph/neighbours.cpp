@@ -136,7 +136,7 @@ namespace {
 template <int dim>
 struct Found {
   std::array<std::int32_t, most_neighbours<dim> + 1> index;
-  std::array<double, most_neighbours<dim> + 1> distance2;
+  std::array<double, most_neighbours<dim> + 1> distance2, factor, value;
   std::size_t count;
 };
 
@@ -233,15 +233,20 @@ void Support<dim>::collect(const Kernel<dim>& kernel, std::span<const Vector<dim
       lower_[i] = static_cast<std::int32_t>(place[1] - write);
       inner_[i] = static_cast<std::int32_t>(place[2] - write);
       count_[i] = static_cast<std::int32_t>(count);
+      // In a loop of its own, which the compiler turns into vector instructions.
+      for (std::size_t k = 0; k < count; ++k) {
+        const double r = std::sqrt(found.distance2[k]);
+        found.factor[k] = kernel.gradient_factor(r);
+        found.value[k] = volume * kernel.value(r);
+      }
       double partition = own_value;
       for (std::size_t k = 0; k < count; ++k) {
         const std::int32_t j = found.index[k];
         const double weight = weights.empty() ? 1.0 : weights[j];
-        const double r = std::sqrt(found.distance2[k]);
         const std::size_t to = place[part(j)]++;
         index_[to] = j;
-        factor_[to] = weight * kernel.gradient_factor(r);
-        partition += weight * volume * kernel.value(r);
+        factor_[to] = weight * found.factor[k];
+        partition += weight * found.value[k];
       }
       partition_[i] = partition;
       write += count;

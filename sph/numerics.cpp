@@ -32,7 +32,7 @@ Numerics recommended() {
   return {.preset = "recommended",
           .smoothing_length_ratio = 1.3,
           .normalised_gradient = true,
-          .gradient_correction = false,
+          .gradient_correction = true,
           .position_update = PositionUpdate::new_velocity,
           .shifting = Shifting::xu,
           .shifting_coefficient = 0.04,

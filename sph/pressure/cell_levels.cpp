@@ -26,13 +26,14 @@ std::array<std::int32_t, 3> coordinates(const std::array<std::int32_t, 3>& exten
 
 /// The place of `to` among the neighbours of `from`, by the steps -1, 0, 1 along each axis.
 int CellLevels::slot(const Level& level, std::int32_t from, std::int32_t to) {
-  const auto a = coordinates(level.extent, from), b = coordinates(level.extent, to);
+  const auto& a = level.place[from];
+  const auto& b = level.place[to];
   int slot = 0;
   const int axes = level.slots == 9 ? 2 : 3;
   for (int d = axes - 1; d >= 0; --d) {
     std::int32_t step = b[d] - a[d];
-    if (level.periodic[d] && step > 1) step -= level.extent[d];
-    if (level.periodic[d] && step < -1) step += level.extent[d];
+    if (level.periodic[d] && (step > 1 || step < -1))
+      step += step > 0 ? -level.extent[d] : level.extent[d];
     slot = 3 * slot + step + 1;
   }
   return slot;
@@ -43,10 +44,11 @@ void CellLevels::lay_out(Level& level, int dimension) const {
   const std::int32_t cells = level.extent[0] * level.extent[1] * level.extent[2];
   level.neighbour.resize(static_cast<std::size_t>(cells) * level.slots);
   level.parent.resize(cells);
+  level.place.resize(cells);
   std::array<std::int32_t, 3> coarse;
   for (int d = 0; d < 3; ++d) coarse[d] = (level.extent[d] + 1) / 2;
   for (std::int32_t c = 0; c < cells; ++c) {
-    const auto at = coordinates(level.extent, c);
+    const auto at = level.place[c] = coordinates(level.extent, c);
     level.parent[c] = at[0] / 2 + coarse[0] * (at[1] / 2 + coarse[1] * (at[2] / 2));
     for (int s = 0; s < level.slots; ++s) {
       const std::array<int, 3> step{s % 3 - 1, s / 3 % 3 - 1, dimension == 3 ? s / 9 - 1 : 0};

@@ -33,7 +33,8 @@ class CellLevels {
   struct Level {
     std::array<std::int32_t, 3> extent;
     std::array<bool, 3> periodic;
-    int slots;                            ///< 3^dim: a cell and its neighbours
+    int slots;                                       ///< 3^dim: a cell and its neighbours
+    std::vector<std::array<std::int32_t, 3>> place;  ///< [cell], its coordinates
     std::vector<std::int32_t> neighbour;  ///< [cell][slot], the cell itself where there is none
     std::vector<double> coefficient;      ///< [cell][slot], 0 where there is none
     std::vector<std::int32_t> parent;     ///< cell of the next level

@@ -22,8 +22,9 @@ Simulation<dim> box(int n, const Numerics& numerics, double jitter = 0.0) {
   std::array<int, dim> count;
   count.fill(n);
   auto particles = test::particles_at<dim>(test::lattice<dim>(count, 1.0 / n, jitter), 1.0 / n);
-  Simulation<dim> simulation(numerics, std::move(particles),
-                             test::walls_of_box<dim>(Vector<dim>::Constant(1.0), false));
+  Simulation<dim> simulation(
+      numerics, std::move(particles),
+      Images<dim>(test::walls_of_box<dim>(Vector<dim>::Constant(1.0), false)));
   simulation.start(1.0, 0.01);
   simulation.choose_time_step();
   return simulation;
