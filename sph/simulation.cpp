@@ -62,7 +62,8 @@ Simulation<dim>::Simulation(Numerics numerics, Particles<dim> particles, Images<
              {},
              Kernel<dim>(numerics_.smoothing_length_ratio * state_.particles.spacing),
              {},
-             Vector<dim>::Zero()},
+             Vector<dim>::Zero(),
+             {}},
       solver_(make_solver(numerics_.pressure_solver)) {
   const LatticeSums sums = lattice_sums(state_.kernel, state_.particles.spacing);
   full_weight_ = 2.0 * sums.gradient_weight;
@@ -243,6 +244,8 @@ void Simulation<dim>::correct_gradients() {
   const auto& particles = state_.particles;
   const auto& points = state_.images.points();
   gradient_correction_.resize(particles.unknowns);
+  // Prescribed particles have none of their own.
+  state_.laplacian_factor.assign(particles.size(), 1.0);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < particles.unknowns; ++i) {
     const auto near = state_.support.of(i);
@@ -254,6 +257,8 @@ void Simulation<dim>::correct_gradients() {
     constexpr double least_determinant = 0.2;  // of the whole lattice's 1
     gradient_correction_[i] =
         moment.determinant() > least_determinant ? Matrix(moment.inverse()) : Matrix::Identity();
+    state_.laplacian_factor[i] =
+        moment.determinant() > least_determinant ? dim / moment.trace() : 1.0;
   }
 }
 

@@ -31,13 +31,32 @@ void ViscosityEffect<dim>::add_acceleration(const State<dim>& state,
     const auto neighbours = state.support.of(i);
     const Vector<dim> u_i = extended_velocity_[i];
     Vector<dim> sum = Vector<dim>::Zero();
-    for (std::size_t k = 0; k < neighbours.index.size(); ++k)
-      sum += neighbours.gradient_factor[k] * (u_i - extended_velocity_[neighbours.index[k]]);
+    if (state.laplacian_factor.empty())
+      for (std::size_t k = 0; k < neighbours.index.size(); ++k)
+        sum += neighbours.gradient_factor[k] * (u_i - extended_velocity_[neighbours.index[k]]);
+    else
+      sum = corrected_sum(state, i, neighbours);
     if (surface_) sum += beyond_surface(state, i, neighbours);
     const Vector<dim> diffusion = scale * sum;
     acceleration[i] -= now * diffusion - before * previous_diffusion_[i];
     previous_diffusion_[i] = diffusion;
   }
+}
+
+/// Each pair's term over the mean of both particles' T: symmetric, so momentum is kept, and of the
+/// right size on any distribution.
+template <int dim>
+Vector<dim> ViscosityEffect<dim>::corrected_sum(
+    const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
+  const auto& factor = state.laplacian_factor;
+  const Vector<dim> u_i = extended_velocity_[i];
+  Vector<dim> sum = Vector<dim>::Zero();
+  for (std::size_t k = 0; k < near.index.size(); ++k) {
+    const std::int32_t j = near.index[k];
+    const double mean = 0.5 * (factor[i] + factor[state.images.source(j)]);
+    sum += mean * near.gradient_factor[k] * (u_i - extended_velocity_[j]);
+  }
+  return sum;
 }
 
 /// What the pairs across a body's surface lack when the solid particle's own velocity is taken at

@@ -21,6 +21,8 @@ class ViscosityEffect final : public Acceleration<dim>, public TimeStepLimit<dim
   std::string limit_name() const override { return "viscosity, 0.125 h^2/nu"; }
 
  private:
+  Vector<dim> corrected_sum(const State<dim>& state, std::size_t i,
+                            const typename Support<dim>::Neighbours& near) const;
   Vector<dim> beyond_surface(const State<dim>& state, std::size_t i,
                              const typename Support<dim>::Neighbours& near) const;
   double nu_;
