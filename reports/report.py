@@ -16,11 +16,12 @@ from pathlib import Path
 import jinja2
 import matplotlib.pyplot as plt
 
-import figures
-from record import Record, quantity
-from tables import Tables
-
 HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "scene"))  # the reader stands beside the writer
+
+import figures  # noqa: E402
+from record import Record, quantity  # noqa: E402
+from tables import Tables  # noqa: E402
 
 
 def probes_of(scene: dict) -> dict[str, list[str]]:

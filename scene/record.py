@@ -81,6 +81,9 @@ class Record:
                 return Snapshot(time, group["positions"][...], cells if cells.shape[1] > 1 else None, fields)
         return None
 
+    def snapshot_times(self) -> list[float]:
+        return sorted(float(group.attrs["time"]) for group in self._file["fields"].values())
+
     @property
     def finished(self) -> bool:
         return self.manifest.get("outcome") == "finished"
@@ -90,10 +93,30 @@ class Record:
         return [(entry["phase"], float(entry["seconds"])) for entry in self.manifest.get("cost", [])]
 
 
+PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2, "d": 1e-1, "k": 1e3, "M": 1e6, "G": 1e9}
+UNITS = {"m": 1.0, "s": 1.0, "g": 1e-3, "Hz": 1.0, "N": 1.0, "Pa": 1.0, "P": 0.1, "J": 1.0, "W": 1.0}
+
+
+def _factor(unit: str) -> float:
+    """SI value of one unit, such as mm, m2 or m/s2 (a part of what scene/quantity.cpp knows)."""
+    value = 1.0
+    for position, group in enumerate(unit.split("/")):
+        for word in group.split():
+            match = re.fullmatch(r"([^\d^]+)\^?(-?\d*)", word)
+            symbol, power = match[1], int(match[2] or 1)
+            if symbol in UNITS:
+                one = UNITS[symbol]
+            elif symbol[0] in PREFIXES and symbol[1:] in UNITS:
+                one = PREFIXES[symbol[0]] * UNITS[symbol[1:]]
+            else:
+                raise ValueError(f"unknown unit {symbol!r} in {unit!r}")
+            value *= one ** (power if position == 0 else -power)
+    return value
+
+
 def quantity(text: str) -> float:
-    """SI value of the few lengths and times that a drawing needs from a resolved scene ("3.75 mm")."""
-    match = re.fullmatch(r"\s*([-+0-9.eE]+)\s*(k|m|c|u)?(m|s)\s*", text)
+    """SI value of a quantity of a resolved scene, such as "3.75 mm" or "1000 kg/m3"."""
+    match = re.fullmatch(r"\s*([-+0-9.eE]+)(?:\s+(\S.*?))?\s*", text)
     if not match:
-        raise ValueError(f"not a length or a time: {text!r}")
-    scale = {None: 1.0, "k": 1e3, "c": 1e-2, "m": 1e-3, "u": 1e-6}[match[2]]
-    return float(match[1]) * scale
+        raise ValueError(f"not a quantity: {text!r}")
+    return float(match[1]) * (_factor(match[2]) if match[2] else 1.0)
