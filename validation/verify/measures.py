@@ -86,7 +86,8 @@ def velocities(table, dimension: int) -> np.ndarray:
 
 
 def profile(record: Record, scene: Scene, check: dict, folder: Path) -> Finding:
-    """A velocity_along probe against an exact velocity, all its times together; every component counts."""
+    """A velocity_along probe against an exact velocity; every component counts. All its times together, or, with
+    average = true (for a steady flow, whose noise is not its error), the mean of them."""
     flow, name = flow_of(check, scene), check["probe"]
     found, wanted, places, curves = [], [], [], []
     times = times_of(check, record.table_times(name))
@@ -96,6 +97,9 @@ def profile(record: Record, scene: Scene, check: dict, folder: Path) -> Finding:
         found.append(velocities(table, scene.dimension))
         wanted.append(flow.velocity(places[-1], t))
     size = size_of(check, np.array(wanted))
+    spread = float(np.sqrt(np.mean(np.var(found, axis=0)))) / size
+    if check.get("average", False):
+        found, wanted, times = [np.mean(found, axis=0)], [np.mean(wanted, axis=0)], times[-1:]
     component = "xyz".index(check.get("component", "x"))
     along = int(np.argmax(np.ptp(places[0], axis=0)))
     for k, t in enumerate(times):
@@ -104,7 +108,8 @@ def profile(record: Record, scene: Scene, check: dict, folder: Path) -> Finding:
     difference = [f - w for f, w in zip(found, wanted)]
     each = {f"t={t:.4g}": scaled(d, size, check.get("norm", "rms")) for t, d in zip(times, difference)}
     largest = scaled(np.vstack(difference), size, "max")
-    return Finding(scaled(np.vstack(difference), size, check.get("norm", "rms")), {"largest": largest, **each}, curves,
+    figures = {"largest": largest, "spread over time": spread, **each}
+    return Finding(scaled(np.vstack(difference), size, check.get("norm", "rms")), figures, curves,
                    (f"{'xyz'[along]} [m]", f"velocity {'xyz'[component]} [m/s]"))
 
 
