@@ -103,7 +103,7 @@ def _factor(unit: str) -> float:
     for position, group in enumerate(unit.split("/")):
         for word in group.split():
             match = re.fullmatch(r"([^\d^]+)\^?(-?\d*)", word)
-            symbol, power = match[1], int(match[2] or 1)
+            symbol, power = (match[1], int(match[2] or 1)) if match else (word, 1)
             if symbol in UNITS:
                 one = UNITS[symbol]
             elif symbol[0] in PREFIXES and symbol[1:] in UNITS:
