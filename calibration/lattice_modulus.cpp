@@ -39,10 +39,10 @@ BulkLattice<dim>::BulkLattice(const Material& material) : material_(material) {
   const auto centre = static_cast<std::int32_t>(particles.size() / 2);
   std::erase_if(patch_.bonds, [&](const sph::Bond& b) { return b.a != centre && b.b != centre; });
   for (auto& bond : patch_.bonds) bond.stiffness *= 0.5;
-  std::erase_if(patch_.cells, [&](const sph::AreaCell& cell) {
+  std::erase_if(patch_.cells, [&](const auto& cell) {
     return std::find(cell.corner.begin(), cell.corner.end(), centre) == cell.corner.end();
   });
-  for (auto& cell : patch_.cells) cell.modulus *= 0.25;
+  for (auto& cell : patch_.cells) cell.modulus *= dim == 2 ? 0.25 : 0.125;
 }
 
 template <int dim>

@@ -86,11 +86,25 @@ struct PressureSide {
   double pressure_at(double time) const { return pressure * waveform.value(time); }
 };
 
-/// An elastic body of rectangular shape, incompressible, with the fluid's density.
+/// Part of a ring in the x-y plane (in space: of a tube along z), anticlockwise from `from_angle`
+/// (rad, from the x axis).
+struct Arc {
+  Point centre{};
+  double inner_radius = 0.0, outer_radius = 0.0;  ///< m
+  double from_angle = 0.0, to_angle = 0.0;        ///< rad
+};
+
+/// An elastic body, incompressible, with the fluid's density: a box, possibly turned about its
+/// middle, or part of a ring. body_shape.hpp has its own frame.
 struct Solid {
   std::string name;
+  /// Before it is turned; of an arc the box around it, in space with its extent along z.
   Box body;
+  double angle = 0.0;  ///< rad, anticlockwise about the middle of `body`, in the x-y plane
+  std::optional<Arc> arc;
   double youngs_modulus = 0.0;  ///< Pa
+  /// A side of the channel that the body touches; of a turned body or an arc, a side of the body
+  /// in its own frame, which is held where it is.
   std::optional<Side> clamped;
 };
 

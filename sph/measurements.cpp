@@ -214,16 +214,14 @@ double Measurements<dim>::outflow_flux() const {
 template <int dim>
 double Measurements<dim>::area_ratio() const {
   double now = 0.0, rest = 0.0;
-  if constexpr (dim == 2) {
-    const auto& particles = scene_.simulation->state().particles;
-    const auto& network = scene_.solid->network();
-    for (const auto& cell : network.body_cells) {
-      std::array<Vector<2>, 4> corner, gradient;
-      for (int c = 0; c < 4; ++c) corner[c] = particles.position[cell[c]];
-      now += quadrilateral_area(corner, gradient);
-      for (int c = 0; c < 4; ++c) corner[c] = network.reference[cell[c]];
-      rest += quadrilateral_area(corner, gradient);
-    }
+  const auto& particles = scene_.simulation->state().particles;
+  const auto& network = scene_.solid->network();
+  std::array<Vector<dim>, 1 << dim> corner, gradient;
+  for (const auto& cell : network.body_cells) {
+    for (std::size_t c = 0; c < corner.size(); ++c) corner[c] = particles.position[cell[c]];
+    now += cell_volume(corner, gradient);
+    for (std::size_t c = 0; c < corner.size(); ++c) corner[c] = network.reference[cell[c]];
+    rest += cell_volume(corner, gradient);
   }
   return rest > 0.0 ? now / rest : 1.0;
 }

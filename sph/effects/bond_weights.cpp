@@ -9,177 +9,263 @@ namespace sprung::sph {
 
 namespace {
 
-/// What a particle's weights must integrate: twice the integrals of 1, m_k and m_k m_l over the
-/// part of the body nearest to it, less what the bulk rule leaves at a free surface (see
-/// bond_weights.hpp). Lengths in units of dx, places from the particle.
-struct Share {
-  double area = 0.0;
-  Vector<2> first = Vector<2>::Zero();
-  Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
-  double surface = 0.0;                                      ///< length of free surface
-  Vector<2> surface_first = Vector<2>::Zero();               ///< integral of n
-  Eigen::Matrix2d surface_second = Eigen::Matrix2d::Zero();  ///< integral of n m + m n
+/// One number that a group reads off the bonds: the sum of factor x strain over one bond or two.
+template <int dim>
+struct Measure {
+  std::array<std::int32_t, 2> bond{-1, -1};
+  std::array<double, 2> factor{};
+  Vector<dim> place;  ///< of the bonds' midpoint, from the particle, in places
+  double weight = 0.0;  ///< that the particle gives it in the bulk
 };
 
-/// The bulk rule of the bonds along the axes integrates 2 f + bulk_defect lap f.
-constexpr double bulk_defect = 1.0 / 24.0;
+/// A kind of measure: bonds along one axis (`second` < 0), or the squares of two axes.
+struct Kind {
+  int first, second;
+  double sign;      ///< of the bond along `first`, or of the diagonal along first + second
+  double crossing;  ///< of the diagonal along first - second
+  double weight;    ///< that a particle gives in the bulk
+};
 
-/// Samples the body and its free sides and gives each sample to the nearest particle.
-class BodySampling {
- public:
-  BodySampling(const ElasticNetwork<2>& network, std::size_t first, std::size_t last,
-               const Solid& solid, double dx)
-      : network_(network), first_(first), last_(last), dx_(dx), shares_(last - first) {
-    std::array<int, 2> count;
-    Vector<2> step;
-    for (int d = 0; d < 2; ++d) {
-      const double extent = solid.body.to[d] - solid.body.from[d];
-      count[d] = std::max(1, static_cast<int>(std::ceil(extent / dx * samples_per_spacing - 1e-6)));
-      step[d] = extent / count[d];
+/// The groups of the energy; see the header.
+template <int dim>
+std::vector<std::vector<Kind>> groups() {
+  if constexpr (dim == 2) {
+    return {{{0, -1, 1.0, 0.0, 0.5}, {1, -1, -1.0, 0.0, 0.5}},
+            {{0, 1, 1.0, -1.0, 0.125}},
+            {{0, 1, 1.0, 1.0, 0.125}}};
+  } else {
+    std::vector<std::vector<Kind>> all;
+    for (int a = 0; a < 3; ++a) {
+      const int b = std::min((a + 1) % 3, (a + 2) % 3), c = std::max((a + 1) % 3, (a + 2) % 3);
+      all.push_back({{a, -1, 1.0, 0.0, 0.5}, {b, c, -1.0, -1.0, 0.25}});
+      all.push_back({{b, c, 1.0, -1.0, 0.25}});
     }
-    const auto place = [&](double i, double j) {
-      return Vector<2>(solid.body.from[0] + i * step[0], solid.body.from[1] + j * step[1]);
-    };
-    for (int j = 0; j < count[1]; ++j)
-      for (int i = 0; i < count[0]; ++i) add_area(place(i + 0.5, j + 0.5), step);
-    const auto free = [&](Side side) { return !solid.clamped || *solid.clamped != side; };
-    for (int j = 0; j < count[1]; ++j) {
-      if (free(Side::left)) add_surface(place(0, j + 0.5), {-1, 0}, step[1]);
-      if (free(Side::right)) add_surface(place(count[0], j + 0.5), {1, 0}, step[1]);
-    }
-    for (int i = 0; i < count[0]; ++i) {
-      if (free(Side::bottom)) add_surface(place(i + 0.5, 0), {0, -1}, step[0]);
-      if (free(Side::top)) add_surface(place(i + 0.5, count[1]), {0, 1}, step[0]);
-    }
+    return all;
   }
-  const Share& of(std::size_t particle) const { return shares_[particle - first_]; }
+}
+
+/// Strength of a kind's bulk rule (the sum of its weights) and its defect D.
+template <int dim>
+std::pair<double, Eigen::Matrix<double, dim, dim>> bulk_rule(const Kind& kind) {
+  const int measures = kind.second < 0 ? 2 : 4;
+  const double strength = measures * kind.weight;
+  Eigen::Matrix<double, dim, dim> defect =
+      -1.0 / 24.0 * Eigen::Matrix<double, dim, dim>::Identity();
+  defect(kind.first, kind.first) += 0.125;
+  if (kind.second >= 0) defect(kind.second, kind.second) += 0.125;
+  return {strength, strength * defect};
+}
+
+template <int dim>
+class BondWeighing {
+ public:
+  BondWeighing(ElasticNetwork<dim>& network, std::size_t first_bond,
+               const BodyLattice<dim>& lattice, double k_e)
+      : network_(network), lattice_(lattice), first_bond_(first_bond), k_e_(k_e) {
+    for (std::size_t k = first_bond; k < network.bonds.size(); ++k) {
+      const Bond& bond = network.bonds[k];
+      bond_of_[std::minmax(bond.a, bond.b)] = static_cast<std::int32_t>(k);
+    }
+    diagonal_.assign(network.bonds.size() - first_bond, 0.0);
+  }
+
+  void weigh() {
+    for (const auto& [place, node] : lattice_.node)
+      if (static_cast<std::size_t>(node) < network_.movable)
+        for (const auto& group : groups<dim>()) add_share(place, node, group);
+    for (std::size_t k = 0; k < diagonal_.size(); ++k) {
+      Bond& bond = network_.bonds[first_bond_ + k];
+      bond.stiffness = diagonal_[k] / (bond.rest_length * bond.rest_length);
+    }
+    const double least = 1e-9 * k_e_ *
+                         *std::max_element(lattice_.cell_volume.begin(), lattice_.cell_volume.end());
+    for (const auto& [pair, stiffness] : tied_)
+      if (std::abs(stiffness) > least)
+        network_.ties.push_back({pair.first, pair.second, stiffness});
+  }
 
  private:
-  static constexpr int samples_per_spacing = 24;
+  using Place = typename BodyLattice<dim>::Place;
+  using Square = Eigen::Matrix<double, dim, dim>;
+  static constexpr int terms = dim + 1;  ///< of a linear function: value and gradient
+  using Form = Eigen::Matrix<double, terms, terms>;
 
-  std::size_t nearest(const Vector<2>& x) const {
-    std::size_t best = first_;
-    double least = (x - network_.reference[first_]).squaredNorm();
-    for (std::size_t p = first_ + 1; p < last_; ++p) {
-      const double d2 = (x - network_.reference[p]).squaredNorm();
-      if (d2 < least) {
-        least = d2;
-        best = p;
+  std::int32_t bond_between(const Place& a, const Place& b) const {
+    const std::int32_t i = lattice_.find(a), j = lattice_.find(b);
+    if (i < 0 || j < 0) return -1;
+    const auto found = bond_of_.find(std::minmax(i, j));
+    return found == bond_of_.end() ? -1 : found->second;
+  }
+
+  double strain_factor(std::int32_t bond) const {
+    const auto n = static_cast<std::int32_t>(network_.movable);
+    return network_.bonds[bond].a >= n || network_.bonds[bond].b >= n ? 2.0 : 1.0;
+  }
+
+  /// Measures of one kind that the particle at `owner` has a part in, seen from `from`.
+  void append_measures(const Kind& kind, const Place& owner, const Place& from, double weight,
+                       std::vector<Measure<dim>>& measures) const {
+    for (const int i : {-1, 1}) {
+      for (const int j : {-1, 1}) {
+        Measure<dim> m;
+        m.weight = weight;
+        for (int d = 0; d < dim; ++d) m.place[d] = owner[d] - from[d];
+        m.place[kind.first] += 0.5 * i;
+        Place far = owner;
+        far[kind.first] += i;
+        if (kind.second < 0) {
+          if (j > 0) continue;
+          m.bond[0] = bond_between(owner, far);
+          m.factor[0] = kind.sign;
+        } else {
+          m.place[kind.second] += 0.5 * j;
+          Place side = owner, across = far;
+          side[kind.second] += j;
+          across[kind.second] += j;
+          // owner - across runs along first + second when i = j.
+          m.bond = {bond_between(owner, across), bond_between(far, side)};
+          m.factor = {i == j ? kind.sign : kind.crossing, i == j ? kind.crossing : kind.sign};
+          if (m.bond[1] < 0) continue;
+          m.factor[1] *= strain_factor(m.bond[1]);
+        }
+        if (m.bond[0] < 0) continue;
+        m.factor[0] *= strain_factor(m.bond[0]);
+        const bool known = std::any_of(measures.begin(), measures.end(), [&](const auto& other) {
+          return std::minmax(other.bond[0], other.bond[1]) == std::minmax(m.bond[0], m.bond[1]);
+        });
+        if (!known) measures.push_back(m);
       }
     }
-    return best;
   }
 
-  void add_area(const Vector<2>& x, const Vector<2>& step) {
-    const std::size_t p = nearest(x);
-    const Vector<2> m = (x - network_.reference[p]) / dx_;
-    const double area = step[0] * step[1] / (dx_ * dx_);
-    Share& share = shares_[p - first_];
-    share.area += area;
-    share.first += area * m;
-    share.second += area * m * m.transpose();
-    for (int d = 0; d < 2; ++d)  // the sample's own extent
-      share.second(d, d) += area * step[d] * step[d] / (12.0 * dx_ * dx_);
+  /// What a linear function stores in the particle's share of the body; Q of the header.
+  Form share_form(const Place& place, double strength, const Square& defect) const {
+    Vector<dim> low, high;
+    for (int d = 0; d < dim; ++d) {
+      low[d] = place[d] == lattice_.lowest[d] ? lattice_.low_face[d] - place[d] : -0.5;
+      high[d] = place[d] == lattice_.highest[d] ? lattice_.high_face[d] - place[d] : 0.5;
+    }
+    const Vector<dim> extent = high - low, middle = 0.5 * (low + high);
+    const double volume = extent.prod();
+    Form q;
+    Square second = volume * middle * middle.transpose();
+    for (int d = 0; d < dim; ++d) second(d, d) += volume * extent[d] * extent[d] / 12.0;
+    q(0, 0) = strength * volume;
+    q.template block<dim, 1>(1, 0) = strength * volume * middle;
+    q.template block<dim, dim>(1, 1) = strength * second + 2.0 * volume * defect;
+    for (int d = 0; d < dim; ++d)
+      for (const bool upper : {false, true}) {
+        if (place[d] != (upper ? lattice_.highest[d] : lattice_.lowest[d]) ||
+            !lattice_.free[2 * d + upper])
+          continue;
+        const double area = volume / extent[d];
+        const Vector<dim> normal_defect = (upper ? 1.0 : -1.0) * defect.row(d).transpose();
+        Vector<dim> centre = middle;
+        centre[d] = upper ? high[d] : low[d];
+        q.template block<dim, 1>(1, 0) -= area * normal_defect;
+        q.template block<dim, dim>(1, 1) -= area * (normal_defect * centre.transpose() +
+                                                    centre * normal_defect.transpose());
+      }
+    q.template block<1, dim>(0, 1) = q.template block<dim, 1>(1, 0).transpose();
+    return q;
   }
 
-  void add_surface(const Vector<2>& x, const Vector<2>& normal, double length) {
-    const std::size_t p = nearest(x);
-    const Vector<2> m = (x - network_.reference[p]) / dx_;
-    const double l = length / dx_;
-    Share& share = shares_[p - first_];
-    share.surface += l;
-    share.surface_first += l * normal;
-    share.surface_second += l * (normal * m.transpose() + m * normal.transpose());
+  void add_share(const Place& place, std::int32_t node, const std::vector<Kind>& group) {
+    std::vector<Measure<dim>> measures;
+    double strength = 0.0;
+    Square defect = Square::Zero();
+    for (const Kind& kind : group) {
+      append_measures(kind, place, place, kind.weight, measures);
+      const auto [kind_strength, kind_defect] = bulk_rule<dim>(kind);
+      strength += kind_strength;
+      defect += kind_defect;
+    }
+    std::vector<Place> inwards;
+    for (int d = 0; d < dim; ++d)
+      for (const bool upper : {false, true})
+        if (place[d] == (upper ? lattice_.highest[d] : lattice_.lowest[d]) &&
+            lattice_.free[2 * d + upper]) {
+          inwards.push_back(place);
+          inwards.back()[d] += upper ? -1 : 1;
+        }
+    for (const Place& inner : inwards)
+      for (const Kind& kind : group) append_measures(kind, inner, place, 0.0, measures);
+    const auto n = static_cast<Eigen::Index>(measures.size());
+    if (n == 0) return;
+    Eigen::VectorXd bulk(n);
+    for (Eigen::Index k = 0; k < n; ++k) bulk[k] = measures[k].weight;
+    const double scale = k_e_ * lattice_.cell_volume[node];
+    if (inwards.empty()) {
+      add_energy(measures, scale * Eigen::MatrixXd(bulk.asDiagonal()));
+      return;
+    }
+    const Form form = share_form(place, strength, defect);
+    add_energy(measures, scale * share_energy(measures, bulk, form));
   }
 
-  const ElasticNetwork<2>& network_;
-  std::size_t first_, last_;
-  double dx_;
-  std::vector<Share> shares_;
+  /// The quadratic form of the measures that stores `form` in their line and keeps the bulk's
+  /// weights on what the line does not hold.
+  static Eigen::MatrixXd share_energy(const std::vector<Measure<dim>>& measures,
+                                      const Eigen::VectorXd& bulk, const Form& form) {
+    const auto n = bulk.size();
+    // A neighbour's measures settle only what the particle's own leave open.
+    constexpr double neighbours_say = 0.02;
+    Eigen::MatrixXd line(n, terms);
+    Eigen::VectorXd say(n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      line(k, 0) = 1.0;
+      line.row(k).tail(dim) = measures[k].place.transpose();
+      say[k] = std::sqrt(bulk[k] > 0.0 ? bulk[k] : neighbours_say);
+    }
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> fit(n, terms);
+    fit.setThreshold(1e-8);
+    fit.compute(say.asDiagonal() * line);
+    const Eigen::MatrixXd reading = fit.pseudoInverse() * say.asDiagonal();
+    // A form that is no sum of squares could only come from a body cut to slivers.
+    Eigen::SelfAdjointEigenSolver<Form> parts(form);
+    const Form positive = parts.eigenvectors() *
+                          parts.eigenvalues().cwiseMax(0.0).asDiagonal() *
+                          parts.eigenvectors().transpose();
+    const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(n, n) - line * reading;
+    return reading.transpose() * positive * reading +
+           rest.transpose() * bulk.asDiagonal() * rest;
+  }
+
+  /// Adds 1/2 measures . form . measures to the stored energy.
+  void add_energy(const std::vector<Measure<dim>>& measures, const Eigen::MatrixXd& form) {
+    for (std::size_t k = 0; k < measures.size(); ++k)
+      for (std::size_t l = 0; l < measures.size(); ++l)
+        for (int s = 0; s < 2; ++s)
+          for (int t = 0; t < 2; ++t) {
+            const std::int32_t a = measures[k].bond[s], b = measures[l].bond[t];
+            if (a < 0 || b < 0) continue;
+            const double value = form(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(l)) *
+                                 measures[k].factor[s] * measures[l].factor[t];
+            if (a == b)
+              diagonal_[a - first_bond_] += value;
+            else if (a < b)
+              tied_[{a, b}] += value;
+          }
+  }
+
+  ElasticNetwork<dim>& network_;
+  const BodyLattice<dim>& lattice_;
+  std::size_t first_bond_;
+  double k_e_;
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> bond_of_;
+  std::vector<double> diagonal_;  ///< J per strain squared, by bond
+  std::map<std::pair<std::int32_t, std::int32_t>, double> tied_;
 };
-
-/// Weights closest to `nominal` whose sum is twice the area and, for the bonds along the axes,
-/// whose first and second moments are those of `share`. The sum is asked far more strongly than the
-/// first moments, those more than the second, and the least change last.
-Eigen::VectorXd quadrature_weights(const Eigen::MatrixXd& midpoint, const Eigen::VectorXd& nominal,
-                                   const Share& share, bool diagonal) {
-  const Vector<2> first = 2.0 * share.first - bulk_defect * share.surface_first;
-  const Eigen::Matrix2d second = 2.0 * share.second +
-                                 2.0 * bulk_defect * share.area * Eigen::Matrix2d::Identity() -
-                                 bulk_defect * share.surface_second;
-  const Eigen::Index n = nominal.size();
-  const double for_sum = 1e4, for_change = 1e-4;
-  const double for_first = diagonal ? 0.0 : 1e2, for_second = diagonal ? 0.0 : 1.0;
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(n + 6, n);
-  Eigen::VectorXd right(n + 6);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const Eigen::RowVector2d m = midpoint.row(k);
-    rows(k, k) = for_change;
-    right[k] = for_change * nominal[k];
-    rows(n, k) = for_sum;
-    rows(n + 1, k) = for_first * m[0];
-    rows(n + 2, k) = for_first * m[1];
-    rows(n + 3, k) = for_second * m[0] * m[0];
-    rows(n + 4, k) = for_second * m[0] * m[1];
-    rows(n + 5, k) = for_second * m[1] * m[1];
-  }
-  right.tail(6) << for_sum * 2.0 * share.area, for_first * first[0], for_first * first[1],
-      for_second * second(0, 0), for_second * second(0, 1), for_second * second(1, 1);
-  return rows.colPivHouseholderQr().solve(right);
-}
 
 }  // namespace
 
-void weigh_bonds(ElasticNetwork<2>& network, std::size_t first_bond, std::size_t first,
-                 std::size_t last, const Solid& solid, double dx) {
-  const BodySampling sampling(network, first, last, solid, dx);
-  const auto movable = static_cast<std::int32_t>(network.movable);
-  const std::size_t bonds = network.bonds.size() - first_bond;
-  std::vector<double> weight(bonds, 0.0);
-  auto bond_at = [&](std::size_t k) -> Bond& { return network.bonds[first_bond + k]; };
-  auto is_ghost = [&](const Bond& b) { return b.a >= movable || b.b >= movable; };
-
-  for (const bool diagonal : {false, true}) {
-    const double reach = diagonal ? 1.3 : 1.6;
-    std::vector<std::size_t> group;
-    for (std::size_t k = 0; k < bonds; ++k)
-      if ((bond_at(k).rest_length > 1.2 * dx) == diagonal) group.push_back(k);
-    for (std::size_t p = first; p < last; ++p) {
-      const auto self = static_cast<std::int32_t>(p);
-      const Share& share = sampling.of(p);
-      std::vector<std::size_t> near;
-      std::vector<Vector<2>> middle;
-      int own = 0;
-      for (const std::size_t k : group) {
-        const Bond& b = bond_at(k);
-        const Vector<2> m =
-            (0.5 * (network.reference[b.a] + network.reference[b.b]) - network.reference[p]) / dx;
-        const bool mine = b.a == self || b.b == self;
-        own += mine;
-        if (m.norm() < reach) {
-          near.push_back(k);
-          middle.push_back(m);
-        }
-      }
-      const bool bulk = own == 4 && std::abs(share.area - 1.0) < 0.02 && share.surface == 0.0;
-      Eigen::MatrixXd midpoint(near.size(), 2);
-      Eigen::VectorXd nominal(near.size());
-      for (std::size_t k = 0; k < near.size(); ++k) {
-        const Bond& b = bond_at(near[k]);
-        midpoint.row(k) = middle[k].transpose();
-        nominal[k] = b.a == self || b.b == self ? 0.5 : 0.0;
-      }
-      const Eigen::VectorXd given =
-          bulk ? nominal : quadrature_weights(midpoint, nominal, share, diagonal);
-      for (std::size_t k = 0; k < near.size(); ++k) weight[near[k]] += given[k];
-    }
-  }
-  for (std::size_t k = 0; k < bonds; ++k) {
-    // The ghost's own share is the mirror image of what was given here, and the same movement of
-    // the particle strains the half of the bond that is material twice as much.
-    const double w = is_ghost(bond_at(k)) ? 4.0 * weight[k] : weight[k];
-    bond_at(k).stiffness *= std::max(w, 0.3);
-  }
+template <int dim>
+void weigh_bonds(ElasticNetwork<dim>& network, std::size_t first_bond,
+                 const BodyLattice<dim>& lattice, double k_e) {
+  BondWeighing<dim>(network, first_bond, lattice, k_e).weigh();
 }
+
+template void weigh_bonds<2>(ElasticNetwork<2>&, std::size_t, const BodyLattice<2>&, double);
+template void weigh_bonds<3>(ElasticNetwork<3>&, std::size_t, const BodyLattice<3>&, double);
 
 }  // namespace sprung::sph

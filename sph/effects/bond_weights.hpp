@@ -5,28 +5,33 @@
 
 namespace sprung::sph {
 
-/// For displacements up to quadratic, a bond's extension over its length is the exact directional
-/// strain at its midpoint, so each group of bonds (along the axes; diagonal) is a quadrature rule
-/// for its part of the strain energy, and a beam bends rightly if the rule is exact for quadratics
-/// of the place.
-///
-/// In the bulk each particle gives 1/2 to each of its four bonds of the group, which for the bonds
-/// along the axes integrates 2 f + c lap f over its cell instead of 2 f (c = 1/24; lengths in dx).
-/// Summed over the body the excess is c times the flux of grad f through its surface, and the bonds
-/// that are missing there spoil the rule further. So each particle at a free surface (or with a cut
-/// cell) must find weights delta on the bonds within 1.6 dx with
-///   sum delta f(m) = 2 int_cell f + c (int_cell lap f - int_surface df/dn)   for f = 1, m_k, m_k
-///   m_l,
-/// closest to the bulk's; m is a bond's midpoint from the particle, the cell is what of the true
-/// body lies nearest to the particle. A flat plate of n >= 3 layers then has exactly the
-/// continuum's EA and EI; two rows cannot carry both. For the diagonals, which carry the shear,
-/// only f = 1 is asked (within 1.3 dx): the flow of shear between two layers is given by
-/// equilibrium, so a rule that raises one layer at its neighbour's cost would make the plate too
-/// soft in shear, however well it integrates. A bond's stiffness is multiplied by the sum of the
-/// weights it was given, at least 0.3. Bonds to the ghosts of a clamp count twice: half their
-/// length is material. Nothing is fitted. `first_bond`: where the body's bonds begin; particles
-/// `first` to `last`.
-void weigh_bonds(ElasticNetwork<2>& network, std::size_t first_bond, std::size_t first,
-                 std::size_t last, const Solid& solid, double spacing);
+/// For displacements up to quadratic, a bond's extension over its length is the exact strain along
+/// it at its midpoint. The energy of the incompressible solid is G (sum e_aa^2 + 2 sum e_ab^2) per
+/// volume, and each term is measured by a group of bonds, whose strains m (lengths in places) are
+///   normal, axis a:  bonds along a: +e_aa; and the other sign, of the same amount because the
+///                    volume is kept: in the plane the bonds along the other axis; in space the
+///                    sum of the two diagonals of each lattice square normal to a;
+///   shear, axes ab:  the difference of the two diagonals of a square of a and b: 2 e_ab;
+///   (plane only)     the sum of the two diagonals: the dilation, 0 but for the area springs' give.
+/// In the bulk a particle gives each bond along an axis 1/2 and each square 1/4 (1/8 in the plane,
+/// whose diagonals weigh half), which integrates types x f + D_kl d_k d_l f over its cell for f =
+/// m^2: half the squared offset of the midpoints less 1/24 of the cell's own extent. Summed over
+/// the body the excess is D times the flux of grad f through its surface; the bonds that are
+/// missing there spoil the rule further. So a particle at a free surface gets what a strain that
+/// varies linearly stores:
+///   Q(m, m) = types int_cell m^2 + D_kl (int_cell d_k d_l m^2 - int_surface n_k d_l m^2),
+/// where value and gradient of m are those of the line through the measures of the particle and of
+/// its neighbours inwards (least squares, its own first), and the cell is what of the true body is
+/// nearest to the particle. What the line does not hold keeps the bulk's weights on the particle's
+/// own measures, so no motion loses its stiffness. The energy is a sum of squares of linear
+/// combinations of bond strains: near a surface a bond also feels its neighbours (BondTie). A
+/// plate of two layers or more then has exactly the continuum's stiffness in stretching, bending
+/// and twisting, for strains up to linear; nothing is fitted. Where no measure tells a gradient (one
+/// layer) the strain is taken as even, so one layer does not resist bending.
+/// Bonds to the ghosts of a clamp: half their length is material, so the strain is twice what the
+/// bond shows. `first_bond`: where the body's bonds begin.
+template <int dim>
+void weigh_bonds(ElasticNetwork<dim>& network, std::size_t first_bond,
+                 const BodyLattice<dim>& lattice, double k_e);
 
 }  // namespace sprung::sph

@@ -1,12 +1,14 @@
 #pragma once
 /// The solid as a network: particles tied by springs (ACTIONs 1 and 2, Eq. 5) and, if the numerics
-/// ask for it, area springs that keep the cells of the lattice incompressible.
+/// ask for it, area springs (in space: volume springs) that keep the cells of the body's lattice
+/// incompressible.
 
 #include "scene/problem.hpp"
 #include "sph/numerics.hpp"
 #include "sph/particles.hpp"
 
 #include <array>
+#include <map>
 
 namespace sprung::sph {
 
@@ -17,12 +19,21 @@ struct Bond {
   double stiffness;    ///< k_e dx w, N/m (per metre of depth in the plane: k_e w)
 };
 
-/// Four lattice neighbours in the plane, counter-clockwise, whose area is kept by p = -modulus
-/// (A/A_0 - 1).
-struct AreaCell {
-  std::array<std::int32_t, 4> corner;
-  double rest_area;  ///< m2
-  double modulus;    ///< kappa G, Pa
+/// Two bonds of which each also feels the other's strain: stored energy stiffness x strain_first x
+/// strain_second, strain = extension / rest length. The surface correction makes them.
+struct BondTie {
+  std::int32_t first, second;  ///< numbers of the bonds
+  double stiffness;            ///< J (J/m in the plane), of either sign
+};
+
+/// The corners of one cell of a body's lattice, whose area (in space: volume) is kept by p =
+/// -modulus (V/V_0 - 1). Corners: in the plane counter-clockwise; in space the four of the lower
+/// face, counter-clockwise seen from above, then those above them.
+template <int dim>
+struct VolumeCell {
+  std::array<std::int32_t, 1 << dim> corner;
+  double rest_volume;  ///< m2 or m3
+  double modulus;      ///< kappa G, Pa
 };
 
 /// Nodes are the solid particles (in their order in Particles) and then the fixed ghosts of the
@@ -32,11 +43,38 @@ struct ElasticNetwork {
   std::vector<Vector<dim>> reference;  ///< positions at rest, solids then ghosts, m
   std::size_t movable = 0;             ///< number of solids
   std::vector<Bond> bonds;
-  std::vector<AreaCell> cells;
-  /// Lattice cells between solid particles, with or without an area spring: they measure the body's
-  /// area.
-  std::vector<std::array<std::int32_t, 4>> body_cells;
+  std::vector<VolumeCell<dim>> cells;
+  /// Lattice cells between solid particles, with or without a spring: they measure the body's
+  /// volume.
+  std::vector<std::array<std::int32_t, 1 << dim>> body_cells;
+  std::vector<BondTie> ties = {};
 };
+
+/// A body's particles on the body's own lattice. For a body along the axes that is the lattice of
+/// the fluid; for an oblique one it is fitted to the body, its pitch the particle spacing or a
+/// little off so that a whole number fits.
+template <int dim>
+struct BodyLattice {
+  using Place = std::array<int, dim>;
+  std::map<Place, std::int32_t> node;  ///< ghosts of the clamp included
+  Place lowest{}, highest{};           ///< places of the particles
+  /// The body's faces, in places: half a place beyond the outer particles where the body fills its
+  /// cells.
+  Vector<dim> low_face, high_face;
+  /// In the order of Side: whether the face is free (not held by a clamp).
+  std::array<bool, 2 * dim> free{};
+  /// Volume of a cell at a node, m2 or m3.
+  std::vector<double> cell_volume;
+  std::int32_t find(const Place& place) const {
+    const auto found = node.find(place);
+    return found == node.end() ? -1 : found->second;
+  }
+};
+
+/// Particles of a body fitted to its own lattice, each at the centre of a cell; `spacing` is the
+/// pitch aimed at.
+template <int dim>
+std::vector<Vector<dim>> fitted_places(const Solid& solid, double spacing);
 
 /// Offsets of the bonds that a particle has on the lattice, one of each pair, and their weight.
 template <int dim>
@@ -84,12 +122,18 @@ template <int dim>
 ElasticNetwork<dim> network_at_rest(const Particles<dim>& particles);
 
 /// Adds the springs, cells and ghosts of one body whose particles are `first` to `last` (exclusive)
-/// of `particles`, at rest on the lattice. Ghosts are one row beyond the clamp. Throws
-/// std::invalid_argument for a body one particle thick.
+/// of `particles`, at rest on the body's lattice. Ghosts are one row beyond the clamp. Throws
+/// std::invalid_argument for a single particle, and for a surface correction of bonds in space that
+/// are not isotropic.
 template <int dim>
 void append_body(ElasticNetwork<dim>& network, const Particles<dim>& particles, std::size_t first,
                  std::size_t last, const Solid& solid, const Numerics& numerics,
                  const SpringStiffness& stiffness);
+
+/// Tension of every bond at `position`, N (per metre in the plane), + pulls.
+template <int dim>
+void bond_tensions(const ElasticNetwork<dim>& network, std::span<const Vector<dim>> position,
+                   std::vector<double>& tension);
 
 /// Forces of bonds and cells on the nodes at `position` (ghosts stay at rest), N (per metre in the
 /// plane).
@@ -106,8 +150,9 @@ template <int dim>
 std::pair<double, double> stretch_range(const ElasticNetwork<dim>& network,
                                         std::span<const Vector<dim>> position);
 
-/// Area of a quadrilateral and its gradient with respect to each corner.
-double quadrilateral_area(const std::array<Vector<2>, 4>& corner,
-                          std::array<Vector<2>, 4>& gradient);
+/// Area of a quadrilateral, or volume of a hexahedron (that of the trilinear map), and its gradient
+/// with respect to each corner; corners as in VolumeCell.
+double cell_volume(const std::array<Vector<2>, 4>& corner, std::array<Vector<2>, 4>& gradient);
+double cell_volume(const std::array<Vector<3>, 8>& corner, std::array<Vector<3>, 8>& gradient);
 
 }  // namespace sprung::sph

@@ -29,29 +29,44 @@ double highest_frequency(const ElasticNetwork<dim>& network, double mass) {
   // A start that holds every mode: fixed, uneven numbers.
   for (std::size_t i = 0; i < n; ++i)
     for (int d = 0; d < dim; ++d) x[i][d] = std::sin(1.0 + 12.9898 * double(i * dim + d));
+  std::vector<double> extension(network.bonds.size()), tension(network.bonds.size());
   double eigenvalue = 0.0;
   for (int sweep = 0; sweep < 300; ++sweep) {
     y.assign(n, Vector<dim>::Zero());
     const auto value = [&](std::int32_t node) -> Vector<dim> {
       return static_cast<std::size_t>(node) < n ? x[node] : Vector<dim>::Zero();
     };
-    for (const Bond& bond : network.bonds) {
-      const Vector<dim> e = (network.reference[bond.a] - network.reference[bond.b]).normalized();
-      const Vector<dim> f = bond.stiffness * e.dot(value(bond.a) - value(bond.b)) * e;
+    const auto direction = [&](const Bond& bond) -> Vector<dim> {
+      return (network.reference[bond.a] - network.reference[bond.b]) / bond.rest_length;
+    };
+    for (std::size_t k = 0; k < network.bonds.size(); ++k) {
+      const Bond& bond = network.bonds[k];
+      extension[k] = direction(bond).dot(value(bond.a) - value(bond.b));
+      tension[k] = bond.stiffness * extension[k];
+    }
+    for (const BondTie& tie : network.ties) {
+      const double scale = tie.stiffness / (network.bonds[tie.first].rest_length *
+                                            network.bonds[tie.second].rest_length);
+      tension[tie.first] += scale * extension[tie.second];
+      tension[tie.second] += scale * extension[tie.first];
+    }
+    for (std::size_t k = 0; k < network.bonds.size(); ++k) {
+      const Bond& bond = network.bonds[k];
+      const Vector<dim> f = tension[k] * direction(bond);
       if (static_cast<std::size_t>(bond.a) < n) y[bond.a] += f;
       if (static_cast<std::size_t>(bond.b) < n) y[bond.b] -= f;
     }
-    if constexpr (dim == 2)
-      for (const AreaCell& cell : network.cells) {
-        std::array<Vector<2>, 4> corner, gradient;
-        for (int c = 0; c < 4; ++c) corner[c] = network.reference[cell.corner[c]];
-        quadrilateral_area(corner, gradient);
-        double change = 0.0;
-        for (int c = 0; c < 4; ++c) change += gradient[c].dot(value(cell.corner[c]));
-        for (int c = 0; c < 4; ++c)
-          if (static_cast<std::size_t>(cell.corner[c]) < n)
-            y[cell.corner[c]] += cell.modulus / cell.rest_area * change * gradient[c];
-      }
+    std::array<Vector<dim>, 1 << dim> corner, gradient;
+    for (const auto& cell : network.cells) {
+      for (std::size_t c = 0; c < corner.size(); ++c) corner[c] = network.reference[cell.corner[c]];
+      cell_volume(corner, gradient);
+      double change = 0.0;
+      for (std::size_t c = 0; c < corner.size(); ++c)
+        change += gradient[c].dot(value(cell.corner[c]));
+      for (std::size_t c = 0; c < corner.size(); ++c)
+        if (static_cast<std::size_t>(cell.corner[c]) < n)
+          y[cell.corner[c]] += cell.modulus / cell.rest_volume * change * gradient[c];
+    }
     double norm2 = 0.0;
     for (const auto& v : y) norm2 += v.squaredNorm();
     eigenvalue = std::sqrt(norm2);
@@ -85,8 +100,11 @@ void ElasticSolid<dim>::add_acceleration(const State<dim>& state,
 template <int dim>
 void ElasticSolid<dim>::assemble_tangent(std::span<const Vector<dim>> position) {
   const std::size_t n = network_.movable;
+  constexpr std::size_t corners = 1 << dim;
   std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(network_.bonds.size() * 3 * dim * dim + network_.cells.size() * 64);
+  entries.reserve((network_.bonds.size() * 3 + network_.ties.size() * 4 +
+                   network_.cells.size() * corners * corners / 2) *
+                  dim * dim);
   const auto place = [&](std::int32_t node) -> const Vector<dim>& {
     return static_cast<std::size_t>(node) < n ? position[node] : network_.reference[node];
   };
@@ -97,30 +115,43 @@ void ElasticSolid<dim>::assemble_tangent(std::span<const Vector<dim>> position) 
         if (row > column || a >= b)
           entries.emplace_back(row * dim + a, column * dim + b, block(a, b));
   };
-  for (const Bond& bond : network_.bonds) {
+  const auto add_symmetric = [&](const Bond& first, const Bond& second, const Block<dim>& block) {
+    add(first.a, second.a, block);
+    add(first.b, second.b, block);
+    add(first.a, second.b, -block);
+    add(first.b, second.a, -block);
+  };
+  bond_tensions(network_, position, tension_);
+  std::vector<Vector<dim>> direction(network_.bonds.size());
+  for (std::size_t k = 0; k < network_.bonds.size(); ++k) {
+    const Bond& bond = network_.bonds[k];
     const Vector<dim> r = place(bond.a) - place(bond.b);
     const double length = r.norm();
-    const Vector<dim> e = r / length;
-    // The transverse part of a shortened bond is negative; without it K stays positive definite,
+    direction[k] = r / length;
+    const Vector<dim>& e = direction[k];
+    // The transverse part of a bond that pushes is negative; without it K stays positive definite,
     // and F, which decides the motion, is exact.
-    const double transverse = std::max(0.0, 1.0 - bond.rest_length / length);
-    const Block<dim> k = bond.stiffness * ((1.0 - transverse) * e * e.transpose() +
-                                           transverse * Block<dim>::Identity());
-    add(bond.a, bond.a, k);
-    add(bond.b, bond.b, k);
-    add(bond.a, bond.b, -k);
-    add(bond.b, bond.a, -k);
+    const double transverse = std::max(0.0, tension_[k] / length);
+    const Block<dim> along = e * e.transpose();
+    add_symmetric(bond, bond,
+                  bond.stiffness * along + transverse * (Block<dim>::Identity() - along));
   }
-  if constexpr (dim == 2)
-    for (const AreaCell& cell : network_.cells) {
-      std::array<Vector<2>, 4> corner, gradient;
-      for (int c = 0; c < 4; ++c) corner[c] = place(cell.corner[c]);
-      quadrilateral_area(corner, gradient);
-      for (int a = 0; a < 4; ++a)
-        for (int b = 0; b < 4; ++b)
-          add(cell.corner[a], cell.corner[b],
-              cell.modulus / cell.rest_area * gradient[a] * gradient[b].transpose());
-    }
+  for (const BondTie& tie : network_.ties) {
+    const Bond &first = network_.bonds[tie.first], &second = network_.bonds[tie.second];
+    const double scale = tie.stiffness / (first.rest_length * second.rest_length);
+    const Block<dim> block = scale * direction[tie.first] * direction[tie.second].transpose();
+    add_symmetric(first, second, block);
+    add_symmetric(second, first, block.transpose());
+  }
+  std::array<Vector<dim>, 1 << dim> corner, gradient;
+  for (const auto& cell : network_.cells) {
+    for (std::size_t c = 0; c < corner.size(); ++c) corner[c] = place(cell.corner[c]);
+    cell_volume(corner, gradient);
+    for (std::size_t a = 0; a < corner.size(); ++a)
+      for (std::size_t b = 0; b < corner.size(); ++b)
+        add(cell.corner[a], cell.corner[b],
+            cell.modulus / cell.rest_volume * gradient[a] * gradient[b].transpose());
+  }
   tangent_.resize(n * dim, n * dim);
   tangent_.setFromTriplets(entries.begin(), entries.end());
 }

@@ -54,6 +54,7 @@ class ElasticSolid final : public Acceleration<dim>,
   std::vector<Vector<dim>> force_;
   std::vector<Vector<dim>> spring_acceleration_;
   std::vector<Vector<dim>> load_;
+  std::vector<double> tension_;
   Eigen::SparseMatrix<double> tangent_;  ///< lower triangle of K
   Eigen::SparseMatrix<double> system_;   ///< lower triangle of M + g dt^2 K
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor_;

@@ -231,15 +231,15 @@ TEST(ElasticNetwork, QuadrilateralAreaAndItsGradient) {
                                   Vector<2>(-0.3, 1.2)};
   std::array<Vector<2>, 4> gradient, unused;
   // Two triangles: 1/2 |(x1-x0) x (x2-x0)| + 1/2 |(x2-x0) x (x3-x0)| = 1/2 (2.1) + 1/2 (2.61).
-  EXPECT_NEAR(quadrilateral_area(corner, gradient), 2.355, 1e-14);
+  EXPECT_NEAR(cell_volume(corner, gradient), 2.355, 1e-14);
   for (int c = 0; c < 4; ++c)
     for (int d = 0; d < 2; ++d) {
       auto moved = corner;
       moved[c][d] += 0.5;
-      const double more = quadrilateral_area(moved, unused);
+      const double more = cell_volume(moved, unused);
       moved[c][d] -= 1.0;
       // Bilinear: the central difference is exact for any step.
-      EXPECT_NEAR(gradient[c][d], more - quadrilateral_area(moved, unused), 1e-14);
+      EXPECT_NEAR(gradient[c][d], more - cell_volume(moved, unused), 1e-14);
     }
 }
 
