@@ -30,6 +30,10 @@ const char* to_string(sph::Bonds bonds);
 template <int dim>
 sph::Particles<dim> block(const std::array<int, dim>& count, double spacing);
 
+/// Particles fitted to an oblique body, the first own axis fastest.
+template <int dim>
+sph::Particles<dim> fitted(const Solid& shape, double spacing);
+
 /// The shape that block() fills, `count` x spacing along each axis.
 template <int dim>
 Solid shape_of(const std::array<int, dim>& count, double spacing);

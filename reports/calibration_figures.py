@@ -183,7 +183,8 @@ def bending(rows: list[dict]):
         grid[0].annotate(text, place, fontsize=8, color="#555555", va="top",
                          bbox={"fc": "white", "ec": "none", "pad": 0.5})
     for bonds, kappa, corrected, name, marker, colour in cases:
-        chosen = where(rows, bonds=bonds, area_stiffness=kappa, surface_correction=corrected)
+        chosen = where(rows, dimension=2, angle_degrees=0, bend=0, bonds=bonds, area_stiffness=kappa,
+                       surface_correction=corrected)
         for axes, quantity in zip(grid, ("bending", "stretching", "frequency")):
             axes.plot(column(chosen, "layers"), column(chosen, quantity), marker, color=colour, ms=5,
                       mfc="none", label=name)

@@ -210,19 +210,28 @@ class BondWeighing {
     const auto n = bulk.size();
     // A neighbour's measures settle only what the particle's own leave open.
     constexpr double neighbours_say = 0.02;
-    Eigen::MatrixXd line(n, terms);
     Eigen::VectorXd say(n);
+    Vector<dim> centre = Vector<dim>::Zero();
+    for (Eigen::Index k = 0; k < n; ++k) {
+      say[k] = std::sqrt(bulk[k] > 0.0 ? bulk[k] : neighbours_say);
+      centre += say[k] * say[k] * measures[k].place;
+    }
+    centre /= say.squaredNorm();
+    // From the measures' centre, so that a gradient that none of them tells is 0 and leaves the
+    // value alone.
+    Eigen::MatrixXd line(n, terms);
     for (Eigen::Index k = 0; k < n; ++k) {
       line(k, 0) = 1.0;
-      line.row(k).tail(dim) = measures[k].place.transpose();
-      say[k] = std::sqrt(bulk[k] > 0.0 ? bulk[k] : neighbours_say);
+      line.row(k).tail(dim) = (measures[k].place - centre).transpose();
     }
+    Form from_centre = Form::Identity();
+    from_centre.template block<1, dim>(0, 1) = -centre.transpose();
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> fit(n, terms);
     fit.setThreshold(1e-8);
     fit.compute(say.asDiagonal() * line);
     const Eigen::MatrixXd reading = fit.pseudoInverse() * say.asDiagonal();
     // A form that is no sum of squares could only come from a body cut to slivers.
-    Eigen::SelfAdjointEigenSolver<Form> parts(form);
+    Eigen::SelfAdjointEigenSolver<Form> parts(from_centre.transpose() * form * from_centre);
     const Form positive = parts.eigenvectors() *
                           parts.eigenvalues().cwiseMax(0.0).asDiagonal() *
                           parts.eigenvectors().transpose();

@@ -1,5 +1,7 @@
 #include "sph/effects/elastic_solid.hpp"
 
+#include <Eigen/Dense>
+
 #include <cmath>
 #include <stdexcept>
 
@@ -21,58 +23,82 @@ std::span<const Vector<dim>> solid_positions(const ElasticNetwork<dim>& network,
 
 }  // namespace
 
-/// Power iteration. K x at rest is written out: by differences of the forces it would lose digits.
+namespace {
+
+/// K x at rest, written out: by differences of the forces it would lose digits.
+template <int dim>
+Eigen::VectorXd stiffness_times(const ElasticNetwork<dim>& network, const Eigen::VectorXd& x) {
+  const std::size_t n = network.movable;
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
+  const auto value = [&](std::int32_t node) -> Vector<dim> {
+    return static_cast<std::size_t>(node) < n ? Vector<dim>(x.template segment<dim>(node * dim))
+                                              : Vector<dim>(Vector<dim>::Zero());
+  };
+  const auto add = [&](std::int32_t node, const Vector<dim>& f) {
+    if (static_cast<std::size_t>(node) < n) y.template segment<dim>(node * dim) += f;
+  };
+  const auto direction = [&](const Bond& bond) -> Vector<dim> {
+    return (network.reference[bond.a] - network.reference[bond.b]) / bond.rest_length;
+  };
+  std::vector<double> extension(network.bonds.size()), tension(network.bonds.size());
+  for (std::size_t k = 0; k < network.bonds.size(); ++k) {
+    const Bond& bond = network.bonds[k];
+    extension[k] = direction(bond).dot(value(bond.a) - value(bond.b));
+    tension[k] = bond.stiffness * extension[k];
+  }
+  for (const BondTie& tie : network.ties) {
+    const double scale = tie.stiffness / (network.bonds[tie.first].rest_length *
+                                          network.bonds[tie.second].rest_length);
+    tension[tie.first] += scale * extension[tie.second];
+    tension[tie.second] += scale * extension[tie.first];
+  }
+  for (std::size_t k = 0; k < network.bonds.size(); ++k) {
+    const Vector<dim> f = tension[k] * direction(network.bonds[k]);
+    add(network.bonds[k].a, f);
+    add(network.bonds[k].b, -f);
+  }
+  std::array<Vector<dim>, 1 << dim> corner, gradient;
+  for (const auto& cell : network.cells) {
+    for (std::size_t c = 0; c < corner.size(); ++c) corner[c] = network.reference[cell.corner[c]];
+    cell_volume(corner, gradient);
+    double change = 0.0;
+    for (std::size_t c = 0; c < corner.size(); ++c)
+      change += gradient[c].dot(value(cell.corner[c]));
+    for (std::size_t c = 0; c < corner.size(); ++c)
+      add(cell.corner[c], cell.modulus / cell.rest_volume * change * gradient[c]);
+  }
+  return y;
+}
+
+}  // namespace
+
+/// Lanczos' method with every vector kept orthogonal to all before it.
 template <int dim>
 double highest_frequency(const ElasticNetwork<dim>& network, double mass) {
-  const std::size_t n = network.movable;
-  std::vector<Vector<dim>> x(n), y(n);
+  const auto size = static_cast<Eigen::Index>(network.movable * dim);
+  const Eigen::Index most = std::min<Eigen::Index>(60, size);
+  Eigen::MatrixXd basis(size, most), projected = Eigen::MatrixXd::Zero(most, most);
   // A start that holds every mode: fixed, uneven numbers.
-  for (std::size_t i = 0; i < n; ++i)
-    for (int d = 0; d < dim; ++d) x[i][d] = std::sin(1.0 + 12.9898 * double(i * dim + d));
-  std::vector<double> extension(network.bonds.size()), tension(network.bonds.size());
-  double eigenvalue = 0.0;
-  for (int sweep = 0; sweep < 300; ++sweep) {
-    y.assign(n, Vector<dim>::Zero());
-    const auto value = [&](std::int32_t node) -> Vector<dim> {
-      return static_cast<std::size_t>(node) < n ? x[node] : Vector<dim>::Zero();
-    };
-    const auto direction = [&](const Bond& bond) -> Vector<dim> {
-      return (network.reference[bond.a] - network.reference[bond.b]) / bond.rest_length;
-    };
-    for (std::size_t k = 0; k < network.bonds.size(); ++k) {
-      const Bond& bond = network.bonds[k];
-      extension[k] = direction(bond).dot(value(bond.a) - value(bond.b));
-      tension[k] = bond.stiffness * extension[k];
-    }
-    for (const BondTie& tie : network.ties) {
-      const double scale = tie.stiffness / (network.bonds[tie.first].rest_length *
-                                            network.bonds[tie.second].rest_length);
-      tension[tie.first] += scale * extension[tie.second];
-      tension[tie.second] += scale * extension[tie.first];
-    }
-    for (std::size_t k = 0; k < network.bonds.size(); ++k) {
-      const Bond& bond = network.bonds[k];
-      const Vector<dim> f = tension[k] * direction(bond);
-      if (static_cast<std::size_t>(bond.a) < n) y[bond.a] += f;
-      if (static_cast<std::size_t>(bond.b) < n) y[bond.b] -= f;
-    }
-    std::array<Vector<dim>, 1 << dim> corner, gradient;
-    for (const auto& cell : network.cells) {
-      for (std::size_t c = 0; c < corner.size(); ++c) corner[c] = network.reference[cell.corner[c]];
-      cell_volume(corner, gradient);
-      double change = 0.0;
-      for (std::size_t c = 0; c < corner.size(); ++c)
-        change += gradient[c].dot(value(cell.corner[c]));
-      for (std::size_t c = 0; c < corner.size(); ++c)
-        if (static_cast<std::size_t>(cell.corner[c]) < n)
-          y[cell.corner[c]] += cell.modulus / cell.rest_volume * change * gradient[c];
-    }
-    double norm2 = 0.0;
-    for (const auto& v : y) norm2 += v.squaredNorm();
-    eigenvalue = std::sqrt(norm2);
-    for (std::size_t i = 0; i < n; ++i) x[i] = y[i] / eigenvalue;
+  for (Eigen::Index k = 0; k < size; ++k) basis(k, 0) = std::sin(1.0 + 12.9898 * double(k));
+  basis.col(0).normalize();
+  Eigen::Index used = 0;
+  for (Eigen::Index k = 0; k < most; ++k) {
+    used = k + 1;
+    Eigen::VectorXd y = stiffness_times(network, basis.col(k));
+    const double scale = y.norm();
+    for (int again = 0; again < 2; ++again)
+      for (Eigen::Index l = 0; l <= k; ++l) {
+        const double part = basis.col(l).dot(y);
+        if (l >= k - 1) projected(l, k) += part;
+        y -= part * basis.col(l);
+      }
+    if (used == most || y.norm() < 1e-12 * scale) break;
+    projected(k + 1, k) = y.norm();
+    basis.col(k + 1) = y / y.norm();
   }
-  return std::sqrt(eigenvalue / mass);
+  const Eigen::MatrixXd square = projected.topLeftCorner(used, used);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (square + square.transpose()));
+  return std::sqrt(eigen.eigenvalues().maxCoeff() / mass);
 }
 
 template <int dim>

@@ -31,8 +31,8 @@ class ElasticSolid final : public Acceleration<dim>,
   /// per step.
   void constrain(State<dim>& state, const std::vector<Vector<dim>>& old_velocity) override;
 
-  /// What explicit springs with the new-velocity update allow, 0.8 x 2/omega_max (s), omega_max by
-  /// power iteration on K/m at rest. Implicit springs set no limit and are not asked.
+  /// What explicit springs with the new-velocity update allow, 0.8 x 2/omega_max (s), omega_max of
+  /// K/m at rest. Implicit springs set no limit and are not asked.
   double largest_time_step(const State<dim>&) const override {
     return 0.8 * 2.0 / highest_frequency_;
   }

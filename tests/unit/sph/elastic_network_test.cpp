@@ -78,6 +78,11 @@ TEST(ElasticNetwork, ForcesAreTheEnergysGradientInSpace) {
     expect_forces_from_energy<3>(
         test::network_of<3>(particles, {3, 4, 3}, bonds_only(bonds), k_e, Side::bottom),
         disturbed(particles, 0.1));
+  const auto corrected =
+      test::network_of<3>(particles, {3, 4, 3}, test::preset("recommended"), k_e, Side::bottom);
+  ASSERT_EQ(corrected.cells.size(), 2u * 4 * 2);  // 3 layers between particles, one to the ghosts
+  ASSERT_FALSE(corrected.ties.empty());
+  expect_forces_from_energy<3>(corrected, disturbed(particles, 0.1));
 }
 
 // Fig. 2: 8 neighbours in the plane; 26 in space, 18 for the isotropic lattice (method.md section
@@ -152,7 +157,7 @@ TEST(ElasticNetwork, SurfaceCorrectionStretchesAndShearsAPlateAsTheContinuum) {
   Numerics numerics = test::preset("recommended");
   numerics.area_stiffness = 0.0;
   const double small = 1e-6;
-  for (const int layers : {3, 4, 6})
+  for (const int layers : {2, 3, 4, 6})
     for (const auto& [xx, xy] : {std::pair{1.0, 0.0}, {0.0, 1.0}, {1.0, 0.5}}) {
       const auto strain = [&](double x, double y) {
         return Vector<2>(small * (xx * x + xy * y), small * (xy * x - xx * y));
@@ -175,7 +180,7 @@ TEST(ElasticNetwork, SurfaceCorrectionBendsAPlateAsTheContinuum) {
   Numerics numerics = test::preset("recommended");
   numerics.area_stiffness = 0.0;
   const double c = 1e-7 / dx;
-  for (const int layers : {3, 4, 6}) {
+  for (const int layers : {2, 3, 4, 6}) {
     const auto bending = [&](double x, double y) {
       return Vector<2>(-c * x * y, 0.5 * c * (x * x + y * y));
     };
@@ -184,6 +189,104 @@ TEST(ElasticNetwork, SurfaceCorrectionBendsAPlateAsTheContinuum) {
     EXPECT_NEAR(energy_of_ten_spacings(layers, numerics, bending) / continuum, 1.0, 5e-3)
         << layers << " layers";
   }
+}
+
+/// Energy of 4 x 4 cells in the middle of a plate in space of `layers` under `displacement` (x, y in
+/// the plate, z from its middle): the second difference of plates leaves sides and corners out.
+template <typename Displacement>
+double energy_of_sixteen_columns(int layers, Displacement displacement) {
+  const Numerics numerics = test::preset("recommended");
+  double energy = 0.0;
+  for (const int i : {0, 4})
+    for (const int j : {0, 4}) {
+      const std::array<int, 3> count{6 + i, 6 + j, layers};
+      const auto particles = block<3>(count);
+      auto network = test::network_of<3>(particles, count, numerics, k_e);
+      network.cells.clear();
+      auto position = particles.position;
+      for (auto& x : position)
+        x += displacement(x - 0.5 * dx * Vector<3>(count[0], count[1], count[2]));
+      energy += (i == j ? 1.0 : -1.0) * elastic_energy<3>(network, position);
+    }
+  return energy;
+}
+
+// Isochoric fields of a plate with free faces, z across; G = k_e, energy G strain:strain per volume.
+TEST(ElasticNetwork, SurfaceCorrectionInSpaceStretchesBendsAndTwistsAPlateAsTheContinuum) {
+  const double c = 1e-6;  // strains of 1e-6 leave terms of relative size 1e-6
+  for (const int layers : {2, 3, 5}) {
+    const double h = layers * dx, area = 16 * dx * dx;
+    const auto expect = [&](const char* field, double per_area, auto displacement) {
+      EXPECT_NEAR(energy_of_sixteen_columns(layers, displacement) / (k_e * per_area * area), 1.0,
+                  1e-5)
+          << field << ", " << layers << " layers";
+    };
+    // strain diag(1, -1/2, -1/2): 3/2
+    expect("stretched", 1.5 * c * c * h, [&](const Vector<3>& x) -> Vector<3> {
+      return c * Vector<3>(x[0], -0.5 * x[1], -0.5 * x[2]);
+    });
+    expect("sheared in its plane", 2.0 * c * c * h, [&](const Vector<3>& x) -> Vector<3> {
+      return c * Vector<3>(x[1], x[0], 0.0);
+    });
+    expect("sheared across", 2.0 * c * c * h, [&](const Vector<3>& x) -> Vector<3> {
+      return c * Vector<3>(x[2], 0.0, x[0]);
+    });
+    const double k = c / dx, third = h * h * h / 12.0;
+    // cylinder: strain k z diag(-1, 0, 1)
+    expect("bent to a cylinder", 2.0 * k * k * third, [&](const Vector<3>& x) -> Vector<3> {
+      return k * Vector<3>(-x[0] * x[2], 0.0, 0.5 * (x[0] * x[0] + x[2] * x[2]));
+    });
+    // bar: strain k z diag(-1, 1/2, 1/2)
+    expect("bent as a bar", 1.5 * k * k * third, [&](const Vector<3>& x) -> Vector<3> {
+      return k * Vector<3>(-x[0] * x[2], 0.5 * x[1] * x[2],
+                           0.5 * x[0] * x[0] + 0.25 * (x[2] * x[2] - x[1] * x[1]));
+    });
+    // dome: strain k z diag(-1, -1, 2)
+    expect("bent to a dome", 6.0 * k * k * third, [&](const Vector<3>& x) -> Vector<3> {
+      return k * Vector<3>(-x[0] * x[2], -x[1] * x[2],
+                           0.5 * (x[0] * x[0] + x[1] * x[1]) + x[2] * x[2]);
+    });
+    // twist: strain_xy = -k z
+    expect("twisted", 2.0 * k * k * third, [&](const Vector<3>& x) -> Vector<3> {
+      return k * Vector<3>(-x[1] * x[2], -x[0] * x[2], x[0] * x[1]);
+    });
+  }
+}
+
+// A zero eigenvalue for each rigid motion and for nothing else: no motion of the surface has lost
+// its stiffness to the line through its strains.
+template <int dim>
+void expect_only_rigid_motions_free(const std::array<int, dim>& count) {
+  const auto particles = block<dim>(count);
+  const auto network = test::network_of<dim>(particles, count, test::preset("recommended"), k_e);
+  const auto n = static_cast<Eigen::Index>(particles.size()) * dim;
+  Eigen::MatrixXd stiffness(n, n);
+  const double e = 1e-6 * dx;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    auto position = particles.position;
+    std::vector<Vector<dim>> after, before;
+    position[j / dim][j % dim] += e;
+    elastic_forces<dim>(network, position, after);
+    position[j / dim][j % dim] -= 2.0 * e;
+    elastic_forces<dim>(network, position, before);
+    for (Eigen::Index i = 0; i < n; ++i)
+      stiffness(i, j) = -(after[i / dim][i % dim] - before[i / dim][i % dim]) / (2.0 * e);
+  }
+  const Eigen::VectorXd eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (stiffness + stiffness.transpose()))
+          .eigenvalues() /
+      (k_e * std::pow(dx, dim - 2));
+  const Eigen::Index rigid = dim == 2 ? 3 : 6;
+  // Differences of forces of 300 k_e leave 1e-7 or so; the softest bending of 6 rows is some 1e-2.
+  EXPECT_LT(eigenvalues[rigid - 1], 1e-5);
+  EXPECT_GT(eigenvalues[rigid], 1e-3);
+}
+
+TEST(ElasticNetwork, SurfaceCorrectionLeavesOnlyRigidMotionsFree) {
+  expect_only_rigid_motions_free<2>({2, 6});
+  expect_only_rigid_motions_free<2>({5, 6});
+  expect_only_rigid_motions_free<3>({2, 4, 4});
+  expect_only_rigid_motions_free<3>({4, 4, 4});
 }
 
 template <int dim>
@@ -243,6 +346,32 @@ TEST(ElasticNetwork, QuadrilateralAreaAndItsGradient) {
     }
 }
 
+TEST(ElasticNetwork, HexahedronVolumeAndItsGradient) {
+  std::array<Vector<3>, 8> corner{Vector<3>(0, 0, 0), Vector<3>(1, 0, 0), Vector<3>(1, 1, 0),
+                                  Vector<3>(0, 1, 0), Vector<3>(0, 0, 2), Vector<3>(1, 0, 2),
+                                  Vector<3>(1, 1, 2), Vector<3>(0, 1, 2)};
+  std::array<Vector<3>, 8> gradient, unused;
+  // A linear map multiplies the box's 2 by its determinant, 1.2.
+  Eigen::Matrix3d map;
+  map << 1.0, 0.2, 0.0, 0.0, 1.2, 0.5, 0.0, 0.0, 1.0;
+  for (auto& x : corner) x = (map * x).eval() + Vector<3>(0.3, -7.0, 2.0);
+  EXPECT_NEAR(cell_volume(corner, gradient), 2.4, 1e-13);
+  // A box whose top is 1 + x y high: 1 + 1/4.
+  std::array<Vector<3>, 8> hill{Vector<3>(0, 0, 0), Vector<3>(1, 0, 0), Vector<3>(1, 1, 0),
+                                Vector<3>(0, 1, 0), Vector<3>(0, 0, 1), Vector<3>(1, 0, 1),
+                                Vector<3>(1, 1, 2), Vector<3>(0, 1, 1)};
+  EXPECT_NEAR(cell_volume(hill, gradient), 1.25, 1e-14);
+  for (int c = 0; c < 8; ++c)
+    for (int d = 0; d < 3; ++d) {
+      auto moved = hill;
+      moved[c][d] += 0.5;
+      const double more = cell_volume(moved, unused);
+      moved[c][d] -= 1.0;
+      // Linear in each coordinate: the central difference is exact for any step.
+      EXPECT_NEAR(gradient[c][d], more - cell_volume(moved, unused), 1e-14);
+    }
+}
+
 TEST(ElasticNetwork, StretchRangeFindsTheExtremes) {
   const auto particles = block<2>({3, 3});
   const auto network = test::network_of<2>(particles, {3, 3}, bonds_only(Bonds::equal), k_e);
@@ -266,7 +395,7 @@ TEST(ElasticNetwork, RefusesASingleParticle) {
 //   space, isotropic:  4 (1 + 4/2) k_e = 12            -> omega = 3.464 sqrt(k_e/rho)/dx
 //   plane, isotropic with area springs: 4 (3 + kappa) G, G = k_e/2 (method.md section 1)
 // A free block of n layers lies below it by about (pi/2n)^2/2: its highest mode has room for half a
-// wave less. The power iteration, too, comes from below.
+// wave less. Lanczos' method, too, comes from below.
 double unit(const Particles<2>& p) {
   return std::sqrt(k_e / p.density) / dx;
 }
