@@ -14,19 +14,19 @@ double modulus_per_stiffness(int dimension, double load, double strain) {
 }
 
 double theoretical_lambda(const Material& material) {
-  if (material.dimension == 3) return 3.0;
   const double kappa = material.area_stiffness;
+  if (material.dimension == 3) return kappa > 0.0 ? (5.0 + 3.0 * kappa) / (2.0 + kappa) : 3.0;
   return kappa > 0.0 ? 1.5 * (2.0 + kappa) / (3.0 + kappa) : 1.5;
 }
 
 SizedPull pull_block(const Material& material, const Pull& pull) {
   SizedPull result{material, pull.layers, pull.load, {}, 0.0, 0.0, 0.0};
-  if (material.dimension == 3)
-    result.block = pull_by_particle_solver<3>(material, pull);
-  else if (material.area_stiffness > 0.0)
-    result.block = pull_network<2>(material, pull);
+  if (material.area_stiffness > 0.0)
+    result.block = material.dimension == 3 ? pull_network<3>(material, pull)
+                                           : pull_network<2>(material, pull);
   else
-    result.block = pull_by_particle_solver<2>(material, pull);
+    result.block = material.dimension == 3 ? pull_by_particle_solver<3>(material, pull)
+                                           : pull_by_particle_solver<2>(material, pull);
   const auto lambda = [&](double strain) {
     return modulus_per_stiffness(material.dimension, pull.load, strain);
   };

@@ -4,9 +4,11 @@
 #include "sph/effects/elastic_network.hpp"
 #include "sph/effects/roles.hpp"
 
+#include <Eigen/CholmodSupport>
 #include <Eigen/SparseCholesky>
 
 #include <memory>
+#include <type_traits>
 
 namespace sprung::sph {
 
@@ -57,7 +59,11 @@ class ElasticSolid final : public Acceleration<dim>,
   std::vector<double> tension_;
   Eigen::SparseMatrix<double> tangent_;  ///< lower triangle of K
   Eigen::SparseMatrix<double> system_;   ///< lower triangle of M + g dt^2 K
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor_;
+  /// In space the factors are dense enough for CHOLMOD's supernodes to be several times faster.
+  std::conditional_t<dim == 3,
+                     Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower>,
+                     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>>
+      factor_;
   bool analysed_ = false;
 };
 
