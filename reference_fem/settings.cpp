@@ -1,5 +1,7 @@
 #include "reference_fem/settings.hpp"
 
+#include "scene/body_shape.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -51,6 +53,11 @@ void refuse_missing_effects(const Document& document, const Problem& problem) {
     document.table("periodic")
         .refuse("axes",
                 "the finite element reference has no periodic sides; use the particle solver");
+  for (const Solid& solid : problem.solids)
+    if (is_oblique(solid))
+      document.table("solid." + solid.name)
+          .refuse("body", "the finite element reference has only bodies along the axes; leave out "
+                          "angle_degrees, or use the particle solver");
   for (const CurvedWall& wall : problem.curved_walls)
     if (!wall.no_slip)
       document.table("curved_wall." + wall.name)

@@ -1,4 +1,4 @@
-#include "scene/problem.hpp"
+#include "scene/body_shape.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,15 @@ constexpr double round_off = 1e-12;
 }  // namespace
 
 std::vector<Point> outline_points(const Solid& solid, int points) {
+  if (is_oblique(solid)) {
+    Solid own = solid;  // as a box in its own frame
+    own.body = {{}, own_extent(solid)};
+    own.angle = 0.0;
+    own.arc.reset();
+    auto outline = outline_points(own, points);
+    for (Point& point : outline) point = from_own(solid, point);
+    return outline;
+  }
   const auto& [from, to] = solid.body;
   // Clockwise from the lower left corner; side i runs from corner i to corner i + 1.
   const std::array<Point, 4> corners{from, Point{from[0], to[1], from[2]}, to,

@@ -1,11 +1,13 @@
 #include "scene/problem.hpp"
 
+#include "scene/body_shape.hpp"
 #include "scene/spelling.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <sstream>
 
 namespace sprung {
@@ -118,6 +120,8 @@ class ProblemReader {
   void read_outflow();
   void read_solids();
   Solid read_solid(const Table& table, const std::string& name) const;
+  void read_body(const Table& table, Solid& solid) const;
+  bool overlap(const Solid& one, const Solid& other) const;
   void check_clamp(const Table& table, const Solid& solid) const;
   void read_probes();
   void read_probe(const Table& table, const std::string& name);
@@ -478,21 +482,20 @@ void ProblemReader::read_solids() {
 Solid ProblemReader::read_solid(const Table& table, const std::string& name) const {
   Solid solid;
   solid.name = name;
-  solid.body = read_box(table.table("body"));
-  if (!contains(problem_.channel, solid.body.from, tolerance()) ||
-      !contains(problem_.channel, solid.body.to, tolerance()))
-    table.refuse("body", "the body reaches " + box_text(solid.body, problem_.dimension) +
+  read_body(table.table("body"), solid);
+  const Box reach = bounding_box(solid, problem_.dimension);
+  if (!contains(problem_.channel, reach.from, tolerance()) ||
+      !contains(problem_.channel, reach.to, tolerance()))
+    table.refuse("body", "the body reaches " + box_text(reach, problem_.dimension) +
                              ", out of the channel, which reaches " +
                              box_text(problem_.channel, problem_.dimension) +
                              "; move or shrink the body, or enlarge the channel");
   for (const auto& other : problem_.solids) {
-    bool overlap = true;
-    for (int i = 0; i < problem_.dimension; ++i)
-      overlap = overlap && solid.body.from[i] < other.body.to[i] - tolerance() &&
-                other.body.from[i] < solid.body.to[i] - tolerance();
-    if (overlap)
+    if (overlap(solid, other))
       table.refuse("body", "the body overlaps [solid." + other.name + "], which reaches " +
-                               box_text(other.body, problem_.dimension) + "; move one of them");
+                               box_text(bounding_box(other, problem_.dimension),
+                                        problem_.dimension) +
+                               "; move one of them");
   }
   solid.youngs_modulus = positive(table, "youngs_modulus", dimension::pressure);
   if (table.has("clamped")) {
@@ -502,7 +505,67 @@ Solid ProblemReader::read_solid(const Table& table, const std::string& name) con
   return solid;
 }
 
+/// { from, to }, { from, to, angle_degrees }, or part of a ring.
+void ProblemReader::read_body(const Table& table, Solid& solid) const {
+  constexpr double degree = std::numbers::pi / 180.0;
+  if (!table.has("centre")) {
+    solid.body = read_box(table);
+    if (table.has("angle_degrees")) solid.angle = degree * table.number("angle_degrees");
+    return;
+  }
+  Arc arc;
+  const auto centre = table.quantities("centre", dimension::length);
+  if (centre.size() != 2)
+    table.refuse("centre", std::to_string(centre.size()) +
+                               " coordinates; a ring lies in the x-y plane, write [\"x m\", \"y m\"]");
+  std::copy(centre.begin(), centre.end(), arc.centre.begin());
+  arc.inner_radius = positive(table, "inner_radius", dimension::length);
+  arc.outer_radius = positive(table, "outer_radius", dimension::length);
+  if (!(arc.outer_radius > arc.inner_radius))
+    table.refuse("outer_radius", "must be larger than inner_radius");
+  arc.from_angle = degree * table.number("from_degrees");
+  arc.to_angle = degree * table.number("to_degrees");
+  if (!(arc.to_angle > arc.from_angle) || arc.to_angle - arc.from_angle > 350.0 * degree)
+    table.refuse("to_degrees",
+                 "must lie beyond from_degrees, anticlockwise, and by 350 degrees at most");
+  solid.arc = arc;
+  if (problem_.dimension == 3) {
+    const auto z = table.quantities("z", dimension::length);
+    if (z.size() != 2 || !(z[1] > z[0]))
+      table.refuse("z", "must be the two ends along z, such as [\"0 m\", \"0.1 m\"]");
+    solid.body.from[2] = z[0];
+    solid.body.to[2] = z[1];
+  }
+  const Box box = bounding_box(solid, problem_.dimension);
+  for (int d = 0; d < 2; ++d) {
+    solid.body.from[d] = box.from[d];
+    solid.body.to[d] = box.to[d];
+  }
+}
+
+/// Boxes along the axes: exactly. A body at an angle: points of its surface, 200 along each edge,
+/// in the other body.
+bool ProblemReader::overlap(const Solid& one, const Solid& other) const {
+  const Box a = bounding_box(one, problem_.dimension), b = bounding_box(other, problem_.dimension);
+  for (int i = 0; i < problem_.dimension; ++i)
+    if (a.from[i] >= b.to[i] - tolerance() || b.from[i] >= a.to[i] - tolerance()) return false;
+  if (!is_oblique(one) && !is_oblique(other)) return true;
+  constexpr int steps = 200;
+  const auto reaches_into = [&](const Solid& inner, const Solid& outer) {
+    const Point extent = own_extent(inner);
+    for (int i = 0; i <= steps; ++i)
+      for (int j = 0; j <= steps; ++j) {
+        if (i % steps != 0 && j % steps != 0 && (i != steps / 2 || j != steps / 2)) continue;
+        const Point own{extent[0] * i / steps, extent[1] * j / steps, 0.5 * extent[2]};
+        if (body_contains(outer, from_own(inner, own), -tolerance())) return true;
+      }
+    return false;
+  };
+  return reaches_into(one, other) || reaches_into(other, one);
+}
+
 void ProblemReader::check_clamp(const Table& table, const Solid& solid) const {
+  if (is_oblique(solid)) return;  // its own side, held where it is
   const Side side = *solid.clamped;
   const double body = coordinate(solid.body, side);
   const double wall = coordinate(problem_.channel, side);
@@ -584,7 +647,7 @@ void ProblemReader::read_displacement(const Table& table, const std::string& nam
                  "the scene has no solid; add one, such as [solid.beam], or remove "
                  "this probe");
   for (const auto& solid : problem_.solids)
-    if (probe.solid.empty() && contains(solid.body, probe.point, tolerance()))
+    if (probe.solid.empty() && body_contains(solid, probe.point, tolerance()))
       probe.solid = solid.name;
   if (probe.solid.empty())
     table.refuse("displacement_of", "the point " + point_text(probe.point, problem_.dimension) +

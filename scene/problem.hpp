@@ -187,7 +187,8 @@ Problem read_problem(const Document& document);
 /// The material points of an outline probe, `points` of them, evenly spaced along the body's free
 /// sides, clockwise as seen with x to the right and y up. A clamped body: from one clamped corner
 /// to the other, both included ("bottom": up the left side, along the top, down the right side). A
-/// free one: once round from the lower left corner, which is not repeated at the end. Throws
+/// free one: once round from the lower left corner, which is not repeated at the end. Sides and
+/// corners of an oblique body are those of its own frame. Throws
 /// std::invalid_argument for fewer than two points or a body clamped in the third direction.
 std::vector<Point> outline_points(const Solid& solid, int points);
 

@@ -1,5 +1,7 @@
 #include "sph/explain.hpp"
 
+#include "scene/body_shape.hpp"
+
 #include "scene/progress.hpp"
 #include "sph/time_step.hpp"
 
@@ -31,11 +33,10 @@ std::string numbers_of(const Problem& problem, double velocity_scale, double spa
         velocity_scale * spacing / nu);
   }
   for (const Solid& solid : problem.solids) {
-    double thickness = solid.body.to[0] - solid.body.from[0], length = thickness;
-    for (int d = 0; d < problem.dimension; ++d) {
-      thickness = std::min(thickness, solid.body.to[d] - solid.body.from[d]);
-      length = std::max(length, solid.body.to[d] - solid.body.from[d]);
-    }
+    const Point extent = own_extent(solid);
+    const auto [thinnest, longest] =
+        std::minmax_element(extent.begin(), extent.begin() + problem.dimension);
+    const double thickness = *thinnest, length = *longest;
     const double cauchy = problem.density * speed * speed / solid.youngs_modulus;
     text += fmt::format(
         "  Cauchy number         {:10.4g}   rho U^2 / E of [solid.{}]; times (length / "

@@ -84,6 +84,15 @@ Facts facts_of(const Problem& problem) {
   for (const Solid& solid : problem.solids) {
     const std::string name = "solid." + solid.name;
     facts.emplace_back(name + " body", text(solid.body));
+    facts.emplace_back(name + " angle", text(solid.angle));
+    if (solid.arc)
+      facts.emplace_back(name + " ring", fmt::format("centre ({}, {}), radii {} to {}, angles {} to {}",
+                                                     text(solid.arc->centre[0]),
+                                                     text(solid.arc->centre[1]),
+                                                     text(solid.arc->inner_radius),
+                                                     text(solid.arc->outer_radius),
+                                                     text(solid.arc->from_angle),
+                                                     text(solid.arc->to_angle)));
     facts.emplace_back(name + " youngs_modulus", text(solid.youngs_modulus));
     facts.emplace_back(name + " clamped", solid.clamped ? to_string(*solid.clamped) : "free");
   }

@@ -1,5 +1,7 @@
 #include "sph/effects/solid_surface.hpp"
 
+#include "scene/body_shape.hpp"
+
 #include <Eigen/Dense>
 
 #include <cmath>
@@ -15,9 +17,12 @@ SolidSurface<dim>::SolidSurface(const std::vector<Body>& bodies, const Particles
   for (const Body& body : bodies) {
     for (std::size_t i = body.first; i < body.last; ++i)
       for (int d = 0; d < dim; ++d) {
-        const double x = reference_[i][d];
-        depth_[i].to_face[2 * d] = x - body.shape.body.from[d];
-        depth_[i].to_face[2 * d + 1] = body.shape.body.to[d] - x;
+        Point place{};
+        for (int e = 0; e < dim; ++e) place[e] = reference_[i][e];
+        const Point own = to_own(body.shape, place);
+        depth_[i].to_face[2 * d] = own[d];
+        depth_[i].to_face[2 * d + 1] = own_extent(body.shape)[d] - own[d];
+        depth_[i].own_axes.col(d) = as_vector<dim>(own_direction(body.shape, own, d));
       }
     const std::span<const Vector<dim>> own{reference_.data() + body.first, body.last - body.first};
     Support<dim> support;
@@ -53,10 +58,11 @@ typename SolidSurface<dim>::Rotation SolidSurface<dim>::rotation_of(
 template <int dim>
 double SolidSurface<dim>::depth_along(std::size_t solid, const Vector<dim>& rest_normal) const {
   double depth = std::numeric_limits<double>::infinity();
+  const Vector<dim> own_normal = depth_[solid].own_axes.transpose() * rest_normal;
   for (int d = 0; d < dim; ++d) {
-    const double along = std::abs(rest_normal[d]);
+    const double along = std::abs(own_normal[d]);
     if (along < 1e-6) continue;
-    depth = std::min(depth, depth_[solid].to_face[2 * d + (rest_normal[d] > 0.0 ? 1 : 0)] / along);
+    depth = std::min(depth, depth_[solid].to_face[2 * d + (own_normal[d] > 0.0 ? 1 : 0)] / along);
   }
   return depth;
 }

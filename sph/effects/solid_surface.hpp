@@ -35,11 +35,13 @@ class SolidSurface {
   }
 
  private:
-  /// Distances from a solid particle to the free faces of its body at rest.
-  struct Depth {
-    std::array<double, 2 * dim> to_face;  ///< order of Side; infinite where the face is clamped
-  };
   using Rotation = Eigen::Matrix<double, dim, dim>;
+  /// Distances from a solid particle to the faces of its body at rest, along the body's own axes
+  /// there.
+  struct Depth {
+    std::array<double, 2 * dim> to_face;  ///< order of Side
+    Rotation own_axes;                    ///< as columns
+  };
   Rotation rotation_of(std::size_t solid, const std::vector<Vector<dim>>& position) const;
   double depth_along(std::size_t solid, const Vector<dim>& rest_normal) const;
 
