@@ -1,5 +1,6 @@
 #include "sph/scene_setup.hpp"
 
+#include "scene/body_shape.hpp"
 #include "sph/effects/registry.hpp"
 
 #include <algorithm>
@@ -104,7 +105,39 @@ void keep_inside_walls(std::vector<Vector<dim>>& sites, double spacing,
   sites.swap(kept);
 }
 
-/// Particles at the centres of cubes of side `spacing` that fill the channel; solids first.
+/// How far `x` lies inside the body from its nearest face, m; negative outside.
+template <int dim>
+double depth_in(const Solid& solid, const Vector<dim>& x) {
+  Point place{};
+  for (int d = 0; d < dim; ++d) place[d] = x[d];
+  const Point own = to_own(solid, place), extent = own_extent(solid);
+  double depth = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < dim; ++d) depth = std::min({depth, own[d], extent[d] - own[d]});
+  return depth;
+}
+
+/// Takes as many sites from the fluid as an oblique body has particles, those deepest in the body,
+/// so that the domain stays filled; equal depths in the order of the lattice.
+template <int dim>
+void make_room(std::vector<Vector<dim>>& fluid, const Solid& solid, std::size_t count) {
+  std::vector<std::pair<double, std::size_t>> depth(fluid.size());
+  for (std::size_t k = 0; k < fluid.size(); ++k) depth[k] = {-depth_in<dim>(solid, fluid[k]), k};
+  count = std::min(count, fluid.size());
+  std::nth_element(depth.begin(), depth.begin() + static_cast<std::ptrdiff_t>(count), depth.end());
+  std::vector<bool> taken(fluid.size(), false);
+  for (std::size_t k = 0; k < count; ++k) taken[depth[k].second] = true;
+  std::vector<Vector<dim>> kept;
+  for (std::size_t k = 0; k < fluid.size(); ++k)
+    if (!taken[k]) kept.push_back(fluid[k]);
+  fluid.swap(kept);
+}
+
+bool has_oblique_body(const Problem& problem) {
+  return std::any_of(problem.solids.begin(), problem.solids.end(), is_oblique);
+}
+
+/// Particles at the centres of cubes of side `spacing` that fill the channel; solids first. The
+/// particles of an oblique body are fitted to it.
 template <int dim>
 Particles<dim> fill_lattice(const Problem& problem, double spacing, const Table& table,
                             const std::vector<ShapedWall<dim>>& walls,
@@ -120,10 +153,17 @@ Particles<dim> fill_lattice(const Problem& problem, double spacing, const Table&
     Vector<dim> x;
     for (int d = 0; d < dim; ++d) x[d] = problem.channel.from[d] + (at[d] + 0.5) * spacing;
     std::size_t body = 0;
-    while (body < solid.size() && !inside<dim>(problem.solids[body].body, x)) ++body;
+    while (body < solid.size() &&
+           (is_oblique(problem.solids[body]) || !inside<dim>(problem.solids[body].body, x)))
+      ++body;
     (body < solid.size() ? solid[body] : fluid).push_back(x);
   });
   keep_inside_walls(fluid, spacing, walls);
+  for (std::size_t b = 0; b < solid.size(); ++b)
+    if (is_oblique(problem.solids[b])) {
+      solid[b] = fitted_places<dim>(problem.solids[b], spacing);
+      make_room<dim>(fluid, problem.solids[b], solid[b].size());
+    }
   for (std::size_t b = 0; b < solid.size(); ++b) {
     const std::size_t first = particles.size();
     for (const auto& x : solid[b]) particles.add(x, Vector<dim>::Zero(), 0.0, Role::solid);
@@ -157,15 +197,16 @@ void check_thickness(const Document& document, const Problem& problem, double sp
     if (bodies[b].first == bodies[b].last)
       table.refuse("body", fmt::format("holds no particle at a spacing of {} mm; use a smaller one",
                                        1e3 * spacing));
+    const Solid& solid = problem.solids[b];
     Vector<dim> low = particles.position[bodies[b].first], high = low;
     for (std::size_t i = bodies[b].first; i < bodies[b].last; ++i) {
       low = low.cwiseMin(particles.position[i]);
       high = high.cwiseMax(particles.position[i]);
     }
     for (int d = 0; d < dim; ++d) {
-      const long layers = std::lround((high[d] - low[d]) / spacing) + 1;
-      const Solid& solid = problem.solids[b];
-      const double extent = solid.body.to[d] - solid.body.from[d];
+      const double extent = own_extent(solid)[d];
+      const long layers = is_oblique(solid) ? std::lround(extent / spacing)
+                                            : std::lround((high[d] - low[d]) / spacing) + 1;
       if (layers < 2)
         table.refuse(
             "body",
@@ -288,7 +329,7 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
     sph.refuse("disorder", "is a fraction of the spacing; choose 0 (the lattice) to 0.3");
   const long seed = sph.integer_or("seed", 1);
   if (disorder > 0.0) disturb(particles, disorder, static_cast<std::uint64_t>(seed));
-  const bool cut = !shaped.empty();
+  const bool cut = !shaped.empty() || has_oblique_body(problem);
   scene.simulation = std::make_unique<Simulation<dim>>(
       numerics, std::move(particles),
       Images<dim>(walls_of<dim>(problem), periodic_axes<dim>(problem), std::move(shaped)));
