@@ -1,5 +1,7 @@
 #include "sph/numerics.hpp"
 
+#include "sph/effects/shifting.hpp"
+
 #include <array>
 #include <utility>
 
@@ -16,7 +18,7 @@ Numerics paper() {
           .gradient_correction = false,
           .position_update = PositionUpdate::mean_velocity,
           .shifting = Shifting::xu,
-          .shifting_coefficient = 0.04,
+          .shifting_coefficient = XuDirection::default_coefficient,
           .density_feedback = 0.0,
           .pressure_tolerance = 1e-4,
           .pressure_solver = PressureSolverKind::two_level,
@@ -35,7 +37,7 @@ Numerics recommended() {
           .gradient_correction = true,
           .position_update = PositionUpdate::new_velocity,
           .shifting = Shifting::xu,
-          .shifting_coefficient = 0.04,
+          .shifting_coefficient = XuDirection::default_coefficient,
           .density_feedback = 0.5,
           .pressure_tolerance = 1e-3,
           .pressure_solver = PressureSolverKind::two_level,
@@ -74,11 +76,16 @@ Numerics read_numerics(Document& document) {
   n.normalised_gradient = table.flag_or("normalised_gradient", n.normalised_gradient);
   n.gradient_correction = table.flag_or("gradient_correction", n.gradient_correction);
   choose(table, "position_update", {"mean_velocity", "new_velocity"}, n.position_update);
-  choose(table, "shifting", {"none", "xu"}, n.shifting);
+  const Shifting preset_shifting = n.shifting;
+  choose(table, "shifting", {"none", "xu", "fickian"}, n.shifting);
+  if (n.shifting == Shifting::fickian && preset_shifting != Shifting::fickian)
+    n.shifting_coefficient = FickianDirection::default_coefficient;
   read_between(table, "shifting_coefficient", 0.0, 1.0, n.shifting_coefficient);
   read_between(table, "density_feedback", 0.0, 100.0, n.density_feedback);
   read_between(table, "pressure_tolerance", 1e-14, 0.5, n.pressure_tolerance);
-  choose(table, "pressure_solver", {"bicgstab", "two_level"}, n.pressure_solver);
+  choose(table, "pressure_solver",
+         {"bicgstab", "two_level", "jacobi_cg", "incomplete_cholesky", "cholmod", "boomeramg"},
+         n.pressure_solver);
   choose(table, "bonds", {"equal", "isotropic"}, n.bonds);
   choose(table, "solid_no_slip", {"centres", "face"}, n.solid_no_slip);
   n.surface_correction = table.flag_or("surface_correction", n.surface_correction);

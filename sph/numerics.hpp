@@ -17,13 +17,20 @@ enum class Bonds {
   equal,      ///< every bond k_e dx: the paper's Eq. 5
   isotropic,  ///< weights by shell so that the lattice is elastically isotropic
 };
-enum class Shifting { none, xu };
+enum class Shifting { none, xu, fickian };
 /// Where the velocity of a body meets the fluid's.
 enum class SolidNoSlip {
   centres,  ///< at the outer particles' centres, half a spacing inside the body: Eq. 2 as printed
   face,     ///< at the body's face
 };
-enum class PressureSolverKind { bicgstab, two_level };
+enum class PressureSolverKind {
+  bicgstab,             ///< with the diagonal: the paper's
+  two_level,            ///< CG, Gauss-Seidel and coarse cells
+  jacobi_cg,            ///< CG with the diagonal
+  incomplete_cholesky,  ///< CG with Eigen's incomplete factors
+  cholmod,              ///< direct, sparse Cholesky
+  boomeramg,            ///< CG with hypre's algebraic multigrid
+};
 
 struct Numerics {
   std::string preset;
@@ -33,7 +40,7 @@ struct Numerics {
   bool gradient_correction = false;
   PositionUpdate position_update{};
   Shifting shifting{};
-  double shifting_coefficient = 0.0;  ///< C of Xu, Stansby & Laurence 2009
+  double shifting_coefficient = 0.0;  ///< C; see effects/shifting.hpp
   /// A wrong particle density is corrected at the rate density_feedback x velocity scale / spacing
   /// (1/s): the source of Eq. 3 gets rate (S0/S - 1), S the kernel sum and S0 its aim. 0: none.
   double density_feedback = 0.0;

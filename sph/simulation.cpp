@@ -24,7 +24,21 @@ class Stopwatch {
 };
 
 std::unique_ptr<PressureSolver> make_solver(PressureSolverKind kind) {
-  return kind == PressureSolverKind::bicgstab ? make_bicgstab_solver() : make_two_level_solver();
+  switch (kind) {
+    case PressureSolverKind::bicgstab:
+      return make_bicgstab_solver();
+    case PressureSolverKind::jacobi_cg:
+      return make_jacobi_solver();
+    case PressureSolverKind::incomplete_cholesky:
+      return make_incomplete_cholesky_solver();
+    case PressureSolverKind::cholmod:
+      return make_cholmod_solver();
+    case PressureSolverKind::boomeramg:
+      return make_boomeramg_solver();
+    case PressureSolverKind::two_level:
+      break;
+  }
+  return make_two_level_solver();
 }
 
 /// Steps between two sortings of the fluid in memory.
@@ -63,6 +77,7 @@ Simulation<dim>::Simulation(Numerics numerics, Particles<dim> particles, Images<
              Kernel<dim>(numerics_.smoothing_length_ratio * state_.particles.spacing),
              {},
              Vector<dim>::Zero(),
+             {},
              {}},
       solver_(make_solver(numerics_.pressure_solver)) {
   const LatticeSums sums = lattice_sums(state_.kernel, state_.particles.spacing);
@@ -214,7 +229,7 @@ void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
   state_.images.extend_for_divergence(velocity, extended_velocity_);
   const std::size_t n = particles.unknowns;
   result.resize(n);
-  const bool corrected = !gradient_correction_.empty();
+  const bool corrected = !state_.gradient_correction.empty();
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
     const auto near = state_.support.of(i);
@@ -224,7 +239,7 @@ void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
       for (std::size_t k = 0; k < near.index.size(); ++k)
         sum += (near.gradient_factor[k] * (extended_velocity_[near.index[k]] - u)) *
                (x - points[near.index[k]]).transpose();
-      result[i] = particles.volume * (sum * gradient_correction_[i].transpose()).trace();
+      result[i] = particles.volume * (sum * state_.gradient_correction[i].transpose()).trace();
       continue;
     }
     double sum = 0.0;
@@ -243,7 +258,7 @@ void Simulation<dim>::correct_gradients() {
   using Matrix = Eigen::Matrix<double, dim, dim>;
   const auto& particles = state_.particles;
   const auto& points = state_.images.points();
-  gradient_correction_.resize(particles.unknowns);
+  state_.gradient_correction.resize(particles.unknowns);
   // Prescribed particles have none of their own.
   state_.laplacian_factor.assign(particles.size(), 1.0);
 #pragma omp parallel for schedule(static)
@@ -255,7 +270,7 @@ void Simulation<dim>::correct_gradients() {
       moment -= (particles.volume * near.gradient_factor[k]) * r * r.transpose();
     }
     constexpr double least_determinant = 0.2;  // of the whole lattice's 1
-    gradient_correction_[i] =
+    state_.gradient_correction[i] =
         moment.determinant() > least_determinant ? Matrix(moment.inverse()) : Matrix::Identity();
     state_.laplacian_factor[i] =
         moment.determinant() > least_determinant ? dim / moment.trace() : 1.0;
@@ -377,7 +392,7 @@ void Simulation<dim>::correct_velocity() {
       sum += outer.gradient_factor[k] * (psi_i - particles.pseudo_pressure[s]) *
              (points[i] - points[j]);
     }
-    if (!gradient_correction_.empty()) sum = gradient_correction_[i] * sum;
+    if (!state_.gradient_correction.empty()) sum = state_.gradient_correction[i] * sum;
     acceleration_[i] = -scale * sum;
   }
   // The old velocity is still wanted by the mean of ACTION 8, so it is kept in place of u*.

@@ -134,8 +134,6 @@ class Simulation {
   std::vector<Vector<dim>> displacement_;
   std::vector<Vector<dim>> extended_velocity_;
   std::vector<double> source_;
-  /// Of each particle, to be applied to its sums over V F r; empty without gradient correction.
-  std::vector<Eigen::Matrix<double, dim, dim>> gradient_correction_;
 };
 
 }  // namespace sprung::sph

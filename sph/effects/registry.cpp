@@ -93,10 +93,16 @@ bool add_shifting(ParticleScene<dim>& scene, const ModulusTable&) {
   auto& simulation = *scene.simulation;
   const Numerics& numerics = simulation.numerics();
   if (numerics.shifting == Shifting::none) return false;
-  simulation.effects().motion.push_back(
-      std::make_unique<XuShifting<dim>>(numerics.shifting_coefficient));
+  std::unique_ptr<Motion<dim>> effect;
+  if (numerics.shifting == Shifting::xu)
+    effect = std::make_unique<ShiftingEffect<dim, XuDirection>>(numerics.shifting_coefficient);
+  else
+    effect = std::make_unique<ShiftingEffect<dim, FickianDirection>>(numerics.shifting_coefficient);
+  simulation.effects().motion.push_back(std::move(effect));
   scene.effects.push_back(
-      fmt::format("shifting: numerics, Xu et al. 2009, C = {}", numerics.shifting_coefficient));
+      fmt::format("shifting: numerics, {}, C = {}",
+                  numerics.shifting == Shifting::xu ? "Xu et al. 2009" : "Lind et al. 2012",
+                  numerics.shifting_coefficient));
   return true;
 }
 

@@ -28,6 +28,8 @@ struct State {
   /// The part of a uniform force per mass that pressure alone balances, m/s2. It never enters the
   /// motion: pseudo_pressure is psi + a . x, and only what shows or prescribes a pressure uses it.
   Vector<dim> balanced_acceleration = Vector<dim>::Zero();
+  /// L_i, to be applied to a particle's sums over V F r; empty without gradient correction.
+  std::vector<Eigen::Matrix<double, dim, dim>> gradient_correction;
   /// 1 / T_i with T_i = sum_j V |F_ij| r^2 / dim, which is 1 where the sum over F is a Laplacian of
   /// the right size; empty without gradient correction.
   std::vector<double> laplacian_factor;

@@ -2,11 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace sprung::sph {
 
-template <int dim>
-void XuShifting<dim>::add_displacement(State<dim>& state, std::vector<Vector<dim>>& displacement) {
+template <int dim, typename Direction>
+Vector<dim> ShiftingEffect<dim, Direction>::direction(
+    const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
+  const auto& points = state.images.points();
+  Vector<dim> sum = Vector<dim>::Zero();
+  if constexpr (std::is_same_v<Direction, XuDirection>) {
+    double mean_distance = 0.0;
+    for (const std::int32_t j : near.index) {
+      const Vector<dim> r = points[i] - points[j];
+      const double d2 = r.squaredNorm(), d = std::sqrt(d2);
+      sum += r / (d * d2);
+      mean_distance += d;
+    }
+    mean_distance /= static_cast<double>(near.index.size());
+    return mean_distance * mean_distance * sum;
+  } else {
+    const double volume = state.particles.volume;
+    const double inverse = 1.0 / state.kernel.value(state.particles.spacing);
+    for (std::size_t k = 0; k < near.index.size(); ++k) {
+      const Vector<dim> r = points[i] - points[near.index[k]];
+      const double ratio2 = std::pow(inverse * state.kernel.value(r.norm()), 2);
+      sum -= volume * (1.0 + 0.2 * ratio2 * ratio2) * near.gradient_factor[k] * r;
+    }
+    return state.kernel.smoothing_length() * sum;
+  }
+}
+
+template <int dim, typename Direction>
+void ShiftingEffect<dim, Direction>::add_displacement(State<dim>& state,
+                                                      std::vector<Vector<dim>>& displacement) {
   auto& particles = state.particles;
   const auto& points = state.images.points();
   state.images.extend_for_viscosity(particles.velocity, extended_velocity_);
@@ -19,34 +48,30 @@ void XuShifting<dim>::add_displacement(State<dim>& state, std::vector<Vector<dim
   const std::size_t n = particles.unknowns;
 #pragma omp parallel for schedule(static)
   for (std::size_t i = particles.solids; i < n; ++i) {
-    const auto neighbours = state.support.of(i);
-    const std::size_t count = neighbours.index.size();
-    if (count == 0) continue;
-    Vector<dim> direction = Vector<dim>::Zero();
-    double mean_distance = 0.0;
-    // Columns: du/dx_d.
-    Eigen::Matrix<double, dim, dim> gradient = Eigen::Matrix<double, dim, dim>::Zero();
-    const Vector<dim> u_i = extended_velocity_[i];
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::int32_t j = neighbours.index[k];
-      const Vector<dim> r = points[i] - points[j];
-      const double d2 = r.squaredNorm();
-      const double d = std::sqrt(d2);
-      direction += r / (d * d2);
-      mean_distance += d;
-      gradient.noalias() -=
-          (u_i - extended_velocity_[j]) * (neighbours.gradient_factor[k] * r).transpose();
-    }
-    mean_distance /= static_cast<double>(count);
-    Vector<dim> shift = reach * mean_distance * mean_distance * direction;
+    const auto near = state.support.of(i);
+    if (near.index.empty()) continue;
+    Vector<dim> shift = reach * direction(state, i, near);
     const double length = shift.norm();
     if (length > cap) shift *= cap / length;
     displacement[i] += shift;
-    particles.velocity[i] += particles.volume * (gradient * shift);
+    // (grad u) shift, from the pairs' own terms.
+    const Vector<dim> along = state.gradient_correction.empty()
+                                  ? shift
+                                  : Vector<dim>(state.gradient_correction[i].transpose() * shift);
+    const Vector<dim> u_i = extended_velocity_[i];
+    Vector<dim> change = Vector<dim>::Zero();
+    for (std::size_t k = 0; k < near.index.size(); ++k) {
+      const std::int32_t j = near.index[k];
+      change += (near.gradient_factor[k] * along.dot(points[i] - points[j])) *
+                (extended_velocity_[j] - u_i);
+    }
+    particles.velocity[i] += particles.volume * change;
   }
 }
 
-template class XuShifting<2>;
-template class XuShifting<3>;
+template class ShiftingEffect<2, XuDirection>;
+template class ShiftingEffect<3, XuDirection>;
+template class ShiftingEffect<2, FickianDirection>;
+template class ShiftingEffect<3, FickianDirection>;
 
 }  // namespace sprung::sph

@@ -1,19 +1,34 @@
 #pragma once
-/// Particle shifting of Xu, Stansby & Laurence (2009, J. Comput. Phys. 228, Eqs. 25-29): fluid
-/// particles move a little across streamlines towards the emptier side, and take the velocity of
-/// the new place.
+/// Particle shifting: fluid particles move a little towards the emptier side, and take the velocity
+/// of the new place to first order.
 
 #include "sph/effects/roles.hpp"
 
 namespace sprung::sph {
 
-template <int dim>
-class XuShifting final : public Motion<dim> {
+/// Xu, Stansby & Laurence (2009, J. Comput. Phys. 228, Eqs. 25-29): by C u_max dt along
+/// r_mean^2 sum_j r_ij / |r_ij|^3.
+struct XuDirection {
+  static constexpr double default_coefficient = 0.04;
+};
+
+/// Lind, Xu, Stansby & Rogers (2012, J. Comput. Phys. 231, Eqs. 18-25) in the form of Skillen et
+/// al. (2013): by C h u_max dt down the gradient of concentration, sum_j V (1 + 0.2 (W_ij /
+/// W(dx))^4) grad W_ij, where the second part keeps pairs from clumping.
+struct FickianDirection {
+  static constexpr double default_coefficient = 0.5;
+};
+
+template <int dim, typename Direction>
+class ShiftingEffect final : public Motion<dim> {
  public:
-  explicit XuShifting(double coefficient) : coefficient_(coefficient) {}
+  explicit ShiftingEffect(double coefficient) : coefficient_(coefficient) {}
   void add_displacement(State<dim>& state, std::vector<Vector<dim>>& displacement) override;
 
  private:
+  /// Displacement of particle i per length `reach` = C u_max dt.
+  Vector<dim> direction(const State<dim>& state, std::size_t i,
+                        const typename Support<dim>::Neighbours& near) const;
   double coefficient_;
   std::vector<Vector<dim>> extended_velocity_;
 };

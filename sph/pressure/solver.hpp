@@ -28,6 +28,13 @@ class PressureSolver {
 /// Conjugate gradients, preconditioned by one symmetric Gauss-Seidel sweep and a V-cycle on the
 /// cells.
 std::unique_ptr<PressureSolver> make_two_level_solver();
+/// Conjugate gradients with other preconditioners: the diagonal, Eigen's incomplete factors, one
+/// V-cycle of hypre's BoomerAMG.
+std::unique_ptr<PressureSolver> make_jacobi_solver();
+std::unique_ptr<PressureSolver> make_incomplete_cholesky_solver();
+std::unique_ptr<PressureSolver> make_boomeramg_solver();
+/// Sparse Cholesky factors, direct.
+std::unique_ptr<PressureSolver> make_cholmod_solver();
 /// BiCGSTAB with the diagonal, the paper's choice (van der Vorst 1992).
 std::unique_ptr<PressureSolver> make_bicgstab_solver();
 
