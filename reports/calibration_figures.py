@@ -195,6 +195,39 @@ def bending(rows: list[dict]):
     return figure
 
 
+def shapes(rows: list[dict]):
+    """Corrected plates that do not lie along the lattice's axes, and plates in space."""
+    cases = [(2, 0, 0, "plane, along the axes", "o"), (2, 30, 0, "plane, 30° to the axes", "x"),
+             (2, 0, 0.1, "plane, arc, thickness/radius 0.1", "^"),
+             (2, 0, 0.4, "plane, arc, thickness/radius 0.4", "v"),
+             (3, 0, 0, "space, bar", "s"), (3, 30, 0, "space, bar, 30°", "+"),
+             (3, 0, 0.2, "space, arc, thickness/radius 0.2", "D")]
+    figure, (left, right) = plt.subplots(1, 2, figsize=(style.WIDTH, 3.9), layout="constrained")
+    colours = (style.RUNS["recommended"], style.RUNS["paper"], *style.FURTHER, style.REFERENCE)
+    for (dimension, angle, bend, name, marker), colour in zip(cases, colours * 2):
+        chosen = where(rows, dimension=dimension, bonds="isotropic", area_stiffness=300,
+                       surface_correction="yes", angle_degrees=angle, bend=bend)
+        left.plot(column(chosen, "layers"), column(chosen, "bending"), marker + "-", color=colour, ms=5,
+                  lw=0.6, mfc="none", label=name)
+    left.axhspan(0.97, 1.03, color="#dddddd", lw=0, zorder=0)
+    left.set(title="bending stiffness EI / continuum, corrected", xlabel="layers n", ylim=(0.95, 1.05))
+    for corrected, marker, colour in (("no", "^", style.FURTHER[0]), ("yes", "s", style.RUNS["recommended"])):
+        chosen = where(rows, dimension=3, bonds="isotropic", area_stiffness=300, angle_degrees=0, bend=0,
+                       surface_correction=corrected)
+        word = "corrected" if corrected == "yes" else "not corrected"
+        right.plot(column(chosen, "layers"), column(chosen, "bending"), marker, color=colour, ms=6,
+                   mfc="none", label=f"EI, {word}")
+        right.plot(column(chosen, "layers"), column(chosen, "stretching"), marker, color=colour, ms=4,
+                   label=f"EA, {word}")
+        if corrected == "no":
+            right.plot(column(chosen, "layers"), column(chosen, "law_bending"), "--", color="grey", lw=1,
+                       label="EI, law of the count of bonds")
+    right.set(title="bar in space, n layers, n + 1 wide", xlabel="layers n", ylim=(0, 1.2))
+    for axes in (left, right):
+        axes.legend(fontsize=7, loc="lower right")
+    return figure
+
+
 def main() -> None:
     root = Path(__file__).resolve().parent.parent
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -209,6 +242,7 @@ def main() -> None:
                                                read(tables / "modulus_per_stiffness.csv")),
         "modulus_direction": polar(read(tables / "directions.csv")),
         "bending_by_layers": bending(read(tables / "bending.csv")),
+        "bending_by_shape": shapes(read(tables / "bending.csv")),
     }
     out.mkdir(parents=True, exist_ok=True)
     for name, figure in figures.items():
