@@ -122,6 +122,7 @@ class Simulation {
   double fixed_time_step_ = 0.0;
   double stop_at_ = std::numeric_limits<double>::infinity();
   std::vector<OpenPlane<dim>> open_planes_;
+  PressurePlanes<dim> pressure_planes_;
   bool vacuum_ = false;
   double full_weight_ = 0.0;            ///< sum of a_ij on the whole lattice, for free surfaces
   std::vector<double> rest_partition_;  ///< of each particle in vacuum

@@ -1,7 +1,7 @@
 #pragma once
 /// Inflow and outflow: columns of prescribed particles outside a side of the channel box.
 
-#include "scene/problem.hpp"
+#include "sph/boundary/open_plane.hpp"
 #include "sph/particles.hpp"
 
 namespace sprung::sph {
@@ -14,18 +14,6 @@ struct ParticleBooks {
   std::int64_t upstream = 0;  ///< fluid that crossed an inflow side outwards, removed
   std::int64_t lost = 0;      ///< fluid found outside a wall, removed
 };
-
-/// One side of the box seen from inside: `depth` is the distance beyond the side.
-template <int dim>
-struct OpenPlane {
-  int axis = 0;
-  int outward = -1;
-  double place = 0.0;
-  double depth(const Vector<dim>& x) const { return outward * (x[axis] - place); }
-};
-
-template <int dim>
-OpenPlane<dim> open_plane(const Box& channel, Side side);
 
 /// Columns of particles that move with the prescribed velocity; one that crosses the side becomes
 /// fluid and a new one enters the outermost column in its row.

@@ -23,7 +23,8 @@ double coefficient(const Images<dim>& images, std::size_t i, std::int32_t index,
 template <int dim>
 void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>& images,
                               const Support<dim>& support, const Kernel<dim>& kernel,
-                              double full_weight) {
+                              const PressurePlanes<dim>& sides, double full_weight) {
+  const auto& points = images.points();
   const std::size_t n = particles.unknowns;
   column_ = support.indices();
   factor_ = support.gradient_factors();
@@ -56,6 +57,7 @@ void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>
       double a = scale_ * outside.gradient_factor[k];
       if (static_cast<std::size_t>(j) >= n) {
         if (particles.role[j] == Role::inflow) continue;
+        a *= sides.reach(points[i], points[outside.index[k]]);
         diagonal += a;
         source += a * particles.pseudo_pressure[j];
         pinned = true;
@@ -95,8 +97,8 @@ void PressureMatrix::multiply(std::span<const double> x, std::span<double> y) co
 }
 
 template void PressureMatrix::assemble<2>(const Particles<2>&, const Images<2>&, const Support<2>&,
-                                          const Kernel<2>&, double);
+                                          const Kernel<2>&, const PressurePlanes<2>&, double);
 template void PressureMatrix::assemble<3>(const Particles<3>&, const Images<3>&, const Support<3>&,
-                                          const Kernel<3>&, double);
+                                          const Kernel<3>&, const PressurePlanes<3>&, double);
 
 }  // namespace sprung::sph

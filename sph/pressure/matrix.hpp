@@ -2,6 +2,7 @@
 /// The matrix of the pressure Poisson equation (left side of Eq. 3), one row per unknown particle.
 
 #include "sph/boundary/images.hpp"
+#include "sph/boundary/open_plane.hpp"
 #include "sph/neighbours.hpp"
 
 namespace sprung::sph {
@@ -9,7 +10,7 @@ namespace sprung::sph {
 /// sum_j a_ij (psi_i - psi_j) with a_ij = -2 V F_ij >= 0. An image's coefficient is folded into its
 /// source, so a mirrored pressure gives dpsi/dn = 0. Pairs with particles of an inflow column are
 /// left out (the velocity is prescribed there, so the pressure has no say: again dpsi/dn = 0);
-/// those of an outflow column bring their prescribed psi to the right side. Symmetric: volumes are
+/// those of a pressure column bring the psi of their side to the right side. Symmetric: volumes are
 /// equal, and the coefficient of a pair across a curved wall is the mean of both sides'.
 ///
 /// Pairs of particles are read from the support lists, which must stay as they are while the matrix
@@ -20,7 +21,8 @@ class PressureMatrix {
   /// particles of zero pressure, as at a free surface; 0 leaves the rows as they are.
   template <int dim>
   void assemble(const Particles<dim>& particles, const Images<dim>& images,
-                const Support<dim>& support, const Kernel<dim>& kernel, double full_weight = 0.0);
+                const Support<dim>& support, const Kernel<dim>& kernel,
+                const PressurePlanes<dim>& sides = {}, double full_weight = 0.0);
 
   std::size_t rows() const { return diagonal_.size(); }
   /// True when no row has a prescribed pressure beside it: psi is known up to a constant only.
