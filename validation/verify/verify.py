@@ -330,7 +330,7 @@ def main() -> int:
     parser.add_argument("--series", action="append")
     parser.add_argument("--time-limit", type=float)
     parser.add_argument("--accept", metavar="REASON")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()  # overrides may stand after options
     level = "quick" if options.quick else "full"
     options.out = (options.out or ROOT / "results" / options.case.name / level).resolve()
     options.out.mkdir(parents=True, exist_ok=True)
