@@ -248,6 +248,8 @@ template <int dim>
 std::vector<ShapedWall<dim>> shaped_walls(const Document& document, const Problem& problem,
                                           double reach) {
   std::vector<ShapedWall<dim>> walls;
+  const Vector<dim> low = as_vector<dim>(problem.channel.from) - Vector<dim>::Constant(reach);
+  const Vector<dim> high = as_vector<dim>(problem.channel.to) + Vector<dim>::Constant(reach);
   for (const auto& wall : problem.curved_walls) {
     const Table table = document.table("curved_wall." + wall.name);
     std::shared_ptr<const WallShape<dim>> shape;
@@ -256,10 +258,10 @@ std::vector<ShapedWall<dim>> shaped_walls(const Document& document, const Proble
     } catch (const std::runtime_error& error) {
       table.refuse("surface", error.what());
     }
-    if (!(shape->smallest_radius() > reach))
+    if (!(shape->smallest_radius(low, high) > reach))
       table.refuse("", fmt::format("is curved to a radius of {:.4g} m, less than the kernel's "
                                    "reach of {:.4g} m; use a smaller spacing",
-                                   shape->smallest_radius(), reach));
+                                   shape->smallest_radius(low, high), reach));
     walls.push_back({std::move(shape), wall.no_slip});
   }
   return walls;
@@ -271,7 +273,7 @@ template <int dim>
 double start_velocity(const Problem& problem, const Document& document, Particles<dim>& particles) {
   if (problem.initial_velocity.empty()) return 0.0;
   double fastest = 0.0;
-  for (std::size_t i = particles.solids; i < particles.size(); ++i) {
+  for (std::size_t i = particles.solids; i < particles.unknowns; ++i) {
     std::array<double, 3> x{};
     for (int d = 0; d < dim; ++d) x[d] = particles.position[i][d];
     for (int d = 0; d < dim; ++d) particles.velocity[i][d] = problem.initial_velocity[d].value(x);
@@ -342,6 +344,9 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
   document.refuse_unread();
   simulation.start(scale, fixed_step);
   if (cut) simulation.relax(relaxing_sweeps);
+  // Once more, now at the places where the particles begin.
+  start_velocity(problem, document, simulation.state().particles);
+  simulation.prescribe();
   return scene;
 }
 

@@ -132,7 +132,6 @@ void Simulation<dim>::map_cells() {
   }
 }
 
-/// What depends on time alone, at the clock's time: walls, uniform forces, columns.
 template <int dim>
 void Simulation<dim>::prescribe() {
   auto& particles = state_.particles;

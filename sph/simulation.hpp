@@ -77,6 +77,8 @@ class Simulation {
   void choose_time_step();
   void stop_at(double time) { stop_at_ = time; }
 
+  /// What depends on time alone, at the clock's time: walls, uniform forces, columns.
+  void prescribe();
   void add_body_forces();             // ACTION 4
   void predict_velocity();            // ACTION 5
   void solve_pressure();              // ACTION 6
@@ -104,7 +106,6 @@ class Simulation {
   void divergence(const std::vector<Vector<dim>>& velocity, std::vector<double>& result);
   void build_support();
   void correct_gradients();
-  void prescribe();
   void map_cells();
   double particles_inside() const;
   void add_density_feedback();

@@ -26,14 +26,14 @@ void Images<dim>::mirror_in_shapes(double reach) {
   for (std::size_t s = 0; s < shaped_.size(); ++s) {
     const std::size_t begin = parent_.size();
     for (std::int32_t i = 0; i < particles_; ++i) {
-      const auto view = shaped_[s].shape->view(points_[i]);
-      if (view.distance >= reach || view.distance < 0.0) continue;
-      const double weight = view.mirrored_volume();
+      const auto view = shaped_[s].shape->view_within(points_[i], reach);
+      if (!view || view->distance < 0.0) continue;
+      const double weight = view->mirrored_volume();
       if (weight == 0.0) continue;
       image_in_[s][i] = static_cast<std::int32_t>(points_.size());
-      add(points_[i] - 2.0 * view.distance * view.normal, i, weight);
+      add(points_[i] - 2.0 * view->distance * view->normal, i, weight);
       shape_of_.back() = static_cast<std::int32_t>(s);
-      normal_.push_back(view.normal);
+      normal_.push_back(view->normal);
     }
     runs_.push_back({Rule::shaped, s, begin, parent_.size()});
   }
@@ -79,6 +79,7 @@ void Images<dim>::copy_across_periodic_sides(double reach) {
 
 template <int dim>
 void Images<dim>::mirror(const Particles<dim>& particles, double reach) {
+  reach_ = reach;
   particles_ = static_cast<std::int32_t>(particles.size());
   points_ = particles.position;
   parent_.clear();
@@ -100,8 +101,8 @@ void Images<dim>::turn_back(Vector<dim>& x) const {
     if (wall.inward * (x[wall.axis] - wall.place) < 0.0)
       x[wall.axis] = 2.0 * wall.place - x[wall.axis];
   for (const auto& wall : shaped_) {
-    const auto view = wall.shape->view(x);
-    if (view.distance < 0.0) x -= 2.0 * view.distance * view.normal;
+    const auto view = wall.shape->view_within(x, reach_);
+    if (view && view->distance < 0.0) x -= 2.0 * view->distance * view->normal;
   }
 }
 
@@ -109,8 +110,11 @@ template <int dim>
 bool Images<dim>::outside_a_wall(const Vector<dim>& x) const {
   for (const auto& wall : walls_)
     if (wall.inward * (x[wall.axis] - wall.place) < 0.0) return true;
-  for (const auto& wall : shaped_)
-    if (wall.shape->view(x).distance < 0.0) return true;
+  // No particle goes farther than the reach in one step.
+  for (const auto& wall : shaped_) {
+    const auto view = wall.shape->view_within(x, reach_);
+    if (view && view->distance < 0.0) return true;
+  }
   return false;
 }
 

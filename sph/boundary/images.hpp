@@ -113,6 +113,7 @@ class Images {
   std::vector<Wall<dim>> walls_;
   std::vector<PeriodicAxis> periodic_;
   std::vector<ShapedWall<dim>> shaped_;
+  double reach_ = 0.0;  ///< of the last mirror(), m
   std::int32_t particles_ = 0;
   std::vector<Vector<dim>> points_;
   std::vector<std::int32_t> parent_;  ///< index of the particle or image that is copied

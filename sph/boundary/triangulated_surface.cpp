@@ -58,17 +58,22 @@ struct TriangulatedSurface::Tree {
     using Scalar = double;
     const TriangulatedSurface& surface;
     Vector<3> x;
+    double reach2;  ///< what is not nearer does not count
     int triangle = -1;
-    Vector<3> barycentric;
+    Vector<3> barycentric = Vector<3>::Zero();
     double best = std::numeric_limits<double>::infinity();
-    double minimumOnVolume(const Box3& box) const { return box.squaredExteriorDistance(x); }
+    /// Infinity makes the search pass a volume over.
+    double minimumOnVolume(const Box3& box) const {
+      const double d2 = box.squaredExteriorDistance(x);
+      return d2 < reach2 ? d2 : std::numeric_limits<double>::infinity();
+    }
     double minimumOnObject(int t) {
       const auto& [a, b, c] = surface.triangles_[t];
       const auto& p = surface.points_;
       const Vector<3> weights = nearest_in_triangle(x, p[a], p[b], p[c]);
       const double d2 =
           (x - (weights[0] * p[a] + weights[1] * p[b] + weights[2] * p[c])).squaredNorm();
-      if (d2 < best) {
+      if (d2 < best && d2 < reach2) {
         best = d2;
         triangle = t;
         barycentric = weights;
@@ -112,7 +117,6 @@ TriangulatedSurface::TriangulatedSurface(std::vector<Vector<3>> points,
   for (std::size_t t = 0; t < numbers.size(); ++t) numbers[t] = static_cast<int>(t);
   tree_->bvh.init(numbers.begin(), numbers.end(), boxes.begin(), boxes.end());
 
-  double largest = 0.0;
   for (const auto& t : triangles_) {
     const Vector<3> e1 = points_[t[1]] - points_[t[0]], e2 = points_[t[2]] - points_[t[0]];
     Eigen::Matrix<double, 3, 2> edges;
@@ -123,9 +127,7 @@ TriangulatedSurface::TriangulatedSurface(std::vector<Vector<3>> points,
     const Eigen::Matrix2d shape =
         (edges.transpose() * edges).ldlt().solve(edges.transpose() * turn);
     curvature_.push_back({shape.trace(), shape.determinant()});
-    largest = std::max(largest, std::abs(shape.trace()));
   }
-  smallest_radius_ = 1.0 / std::max(largest, 1e-300);
 }
 
 std::pair<Vector<3>, Vector<3>> TriangulatedSurface::triangle(std::size_t t) const {
@@ -140,9 +142,23 @@ double TriangulatedSurface::volume() const {
   return six / 6.0;
 }
 
-TriangulatedSurface::Nearest TriangulatedSurface::nearest(const Vector<3>& x) const {
-  Tree::Search search{*this, x, -1, Vector<3>::Zero()};
+double TriangulatedSurface::smallest_radius(const Vector<3>& low, const Vector<3>& high) const {
+  double largest = 0.0;
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const Vector<3> x = triangle(t).first;
+    if ((x.array() < low.array()).any() || (x.array() > high.array()).any()) continue;
+    const double mean = 0.5 * curvature_[t][0];
+    const double root = std::sqrt(std::max(0.0, mean * mean - curvature_[t][1]));
+    largest = std::max(largest, std::abs(mean) + root);
+  }
+  return 1.0 / std::max(largest, 1e-300);
+}
+
+std::optional<TriangulatedSurface::Nearest> TriangulatedSurface::nearest(const Vector<3>& x,
+                                                                         double reach) const {
+  Tree::Search search{*this, x, reach * reach};
   Eigen::BVMinimize(tree_->bvh, search);
+  if (search.triangle < 0) return std::nullopt;
   const auto& t = triangles_[search.triangle];
   Nearest near;
   near.point = near.normal = Vector<3>::Zero();

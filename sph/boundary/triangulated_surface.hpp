@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 namespace sprung::sph {
 
@@ -25,11 +26,12 @@ class TriangulatedSurface {
   TriangulatedSurface(TriangulatedSurface&&) noexcept;
   ~TriangulatedSurface();
 
-  Nearest nearest(const Vector<3>& x) const;
+  /// Nothing when the surface is not closer than `reach` (m).
+  std::optional<Nearest> nearest(const Vector<3>& x, double reach) const;
   /// Diagonal of the bounding box, m.
   double size() const { return size_; }
-  /// One over the largest curvature of any triangle, m.
-  double smallest_radius() const { return smallest_radius_; }
+  /// One over the largest principal curvature of the triangles that lie in a box, m.
+  double smallest_radius(const Vector<3>& low, const Vector<3>& high) const;
   std::size_t triangles() const { return triangles_.size(); }
   /// Centre of triangle `t` and its area times the outward normal, m and m2.
   std::pair<Vector<3>, Vector<3>> triangle(std::size_t t) const;
@@ -43,7 +45,6 @@ class TriangulatedSurface {
   std::vector<std::array<int, 3>> triangles_;
   std::vector<std::array<double, 2>> curvature_;  ///< sum and product, of each triangle
   double size_ = 0.0;
-  double smallest_radius_ = 0.0;
   std::unique_ptr<Tree> tree_;
 };
 

@@ -32,7 +32,7 @@ class Round final : public WallShape<dim> {
     const double sign = inside_ ? -1.0 : 1.0;
     return {sign * (length - radius_), sign * outward, sign / radius_, 0.0};
   }
-  double smallest_radius() const override { return radius_; }
+  double smallest_radius(const Vector<dim>&, const Vector<dim>&) const override { return radius_; }
   std::vector<WallPatch<dim>> patches(double size) const override {
     std::vector<WallPatch<dim>> result;
     if constexpr (dim == 2) {
@@ -87,7 +87,9 @@ class Polygon final : public WallShape<2> {
     Vector<2> normal = length > 0.0 ? Vector<2>(sign * (x - nearest) / length) : edge_normal;
     return {sign * length, normal, 0.0, 0.0};
   }
-  double smallest_radius() const override { return std::numeric_limits<double>::infinity(); }
+  double smallest_radius(const Vector<2>&, const Vector<2>&) const override {
+    return std::numeric_limits<double>::infinity();
+  }
   std::vector<WallPatch<2>> patches(double size) const override {
     std::vector<WallPatch<2>> result;
     double twice_area = 0.0;
@@ -118,18 +120,16 @@ class Surface final : public WallShape<3> {
   explicit Surface(const CurvedWall& wall)
       : surface_(TriangulatedSurface::read(wall.file)), inside_(wall.fluid_inside) {}
   WallView<3> view(const Vector<3>& x) const override {
-    const auto near = surface_.nearest(x);
-    const double sign = inside_ ? -1.0 : 1.0;
-    const Vector<3> r = x - near.point;
-    const double length = r.norm();
-    // Outside where the smooth normal says so; the facets' own planes would flip it at an edge.
-    const double side = r.dot(near.normal) >= 0.0 ? 1.0 : -1.0;
-    const Vector<3> outward =
-        length > 1e-12 * surface_.size() ? Vector<3>(side * r / length) : near.normal;
-    return {sign * side * length, sign * outward, sign * near.curvature_sum,
-            near.curvature_product};
+    return seen_from(x, *surface_.nearest(x, std::numeric_limits<double>::infinity()));
   }
-  double smallest_radius() const override { return surface_.smallest_radius(); }
+  std::optional<WallView<3>> view_within(const Vector<3>& x, double reach) const override {
+    const auto near = surface_.nearest(x, reach);
+    if (!near) return std::nullopt;
+    return seen_from(x, *near);
+  }
+  double smallest_radius(const Vector<3>& low, const Vector<3>& high) const override {
+    return surface_.smallest_radius(low, high);
+  }
   /// The triangles as they are: a surface worth integrating over is fine enough.
   std::vector<WallPatch<3>> patches(double) const override {
     std::vector<WallPatch<3>> result;
@@ -142,6 +142,17 @@ class Surface final : public WallShape<3> {
   }
 
  private:
+  WallView<3> seen_from(const Vector<3>& x, const TriangulatedSurface::Nearest& near) const {
+    const double sign = inside_ ? -1.0 : 1.0;
+    const Vector<3> r = x - near.point;
+    const double length = r.norm();
+    // Outside where the smooth normal says so; the facets' own planes would flip it at an edge.
+    const double side = r.dot(near.normal) >= 0.0 ? 1.0 : -1.0;
+    const Vector<3> outward =
+        length > 1e-12 * surface_.size() ? Vector<3>(side * r / length) : near.normal;
+    return {sign * side * length, sign * outward, sign * near.curvature_sum,
+            near.curvature_product};
+  }
   TriangulatedSurface surface_;
   bool inside_;
 };

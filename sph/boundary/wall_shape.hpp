@@ -3,7 +3,9 @@
 
 #include "sph/vector.hpp"
 
+#include <cmath>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace sprung::sph {
@@ -40,9 +42,16 @@ class WallShape {
  public:
   virtual ~WallShape() = default;
   virtual WallView<dim> view(const Vector<dim>& x) const = 0;
-  /// Smallest radius of curvature towards which a mirror particle may fall (m): the reach of the
-  /// kernel must stay below it. Infinity where the wall is flat.
-  virtual double smallest_radius() const = 0;
+  /// The same where the wall is closer than `reach` (m) on either side, else nothing.
+  virtual std::optional<WallView<dim>> view_within(const Vector<dim>& x, double reach) const {
+    const auto seen = view(x);
+    if (std::abs(seen.distance) >= reach) return std::nullopt;
+    return seen;
+  }
+  /// Smallest radius of curvature (m) of the wall in the box from `low` to `high`: the reach of the
+  /// kernel must stay below it, or a mirror particle would fall past the centre. Infinity where the
+  /// wall is flat.
+  virtual double smallest_radius(const Vector<dim>& low, const Vector<dim>& high) const = 0;
   /// The wall in pieces no longer than about `size` (m). A cylinder has no end of its own and is
   /// not cut: empty.
   virtual std::vector<WallPatch<dim>> patches(double size) const = 0;
