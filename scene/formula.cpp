@@ -21,11 +21,31 @@ struct Formula::Parser {
       parser.DefineConst("pi", std::numbers::pi);
       for (std::size_t k = 0; k < names.size(); ++k) parser.DefineVar(names[k], &values[k]);
       parser.SetExpr(text);
-      parser.Eval();
+      int results = 0;
+      parser.Eval(results);
+      // A comma outside a function's brackets parts two formulas, of which the last would count.
+      if (results != 1) refuse("it holds a comma outside a function; write a decimal point");
+      if (assigns(text)) refuse("it assigns a value; compare with == and choose with ? :");
     } catch (const mu::Parser::exception_type& error) {
-      throw FormulaError("the formula cannot be read: " + error.GetMsg() +
-                         "; it may use pi and the variables " + list_words(names, false, "and"));
+      refuse(error.GetMsg());
     }
+  }
+
+  [[noreturn]] void refuse(const std::string& reason) const {
+    throw FormulaError("the formula cannot be read: " + reason +
+                       "; it may use pi and the variables " + list_words(names, false, "and"));
+  }
+
+  /// Whether an = stands in the formula that is no part of ==, !=, <= or >=.
+  static bool assigns(const std::string& formula) {
+    for (std::size_t k = 0; k < formula.size(); ++k) {
+      if (formula[k] != '=') continue;
+      if (k + 1 < formula.size() && formula[k + 1] == '=')
+        ++k;
+      else if (k == 0 || std::string("!<>").find(formula[k - 1]) == std::string::npos)
+        return true;
+    }
+    return false;
   }
 };
 

@@ -83,6 +83,7 @@ class ProblemReader {
     read_domain();
     read_time_and_fluid();
     read_walls();
+    read_wall_motion();
     read_periodic();
     read_curved_walls();
     read_forcing();
@@ -110,6 +111,7 @@ class ProblemReader {
   void read_curved_walls();
   CurvedWall read_curved_wall(const Table& table, const std::string& name) const;
   void read_shape(const Table& table, CurvedWall& wall) const;
+  void read_polygon(const Table& table, CurvedWall& wall) const;
   void read_forcing();
   Waveform read_waveform(const Table& table) const;
   std::filesystem::path read_file(const Table& table) const;
@@ -267,7 +269,6 @@ void ProblemReader::read_walls() {
   if (walls.no_slip.empty() && walls.free_slip.empty())
     table.refuse("", "names no side; write no_slip = [\"bottom\", \"top\"] or remove the table");
   problem_.walls = walls;
-  read_wall_motion();
 }
 
 void ProblemReader::read_wall_motion() {
@@ -388,13 +389,7 @@ void ProblemReader::read_shape(const Table& table, CurvedWall& wall) const {
   if (present.size() != 1)
     table.refuse("", "its shape is " + list_words(kinds, false) + "; write exactly one");
   if (present[0] == "polygon") {
-    wall.shape = CurvedWall::Shape::polygon;
-    const auto rows = table.quantity_rows("polygon", dimension::length);
-    for (const auto& row : rows) {
-      if (row.size() != 2) table.refuse("polygon", "its corners have two coordinates each");
-      wall.corners.push_back({row[0], row[1], 0.0});
-    }
-    if (rows.size() < 3) table.refuse("polygon", "a polygon has three corners at least");
+    read_polygon(table, wall);
     return;
   }
   const Table shape = table.table(present[0]);
@@ -417,12 +412,40 @@ void ProblemReader::read_shape(const Table& table, CurvedWall& wall) const {
     if (d != wall.axis) wall.centre[d] = centre[k++];
 }
 
+void ProblemReader::read_polygon(const Table& table, CurvedWall& wall) const {
+  wall.shape = CurvedWall::Shape::polygon;
+  for (const auto& row : table.quantity_rows("polygon", dimension::length)) {
+    if (row.size() != 2) table.refuse("polygon", "its corners have two coordinates each");
+    wall.corners.push_back({row[0], row[1], 0.0});
+  }
+  const std::size_t count = wall.corners.size();
+  if (count < 3) table.refuse("polygon", "a polygon has three corners at least");
+  double twice_area = 0.0, round = 0.0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Point &a = wall.corners[k], &b = wall.corners[(k + 1) % count];
+    const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
+    if (length <= tolerance())
+      table.refuse("polygon", "names the corner " + point_text(a, 2) +
+                                  " twice in a row; name each once, the last is joined to the "
+                                  "first");
+    twice_area += a[0] * b[1] - a[1] * b[0];
+    round += length;
+  }
+  if (std::abs(twice_area) <= relative_tolerance * round * round)
+    table.refuse("polygon", "encloses no area; write its corners in order round it");
+}
+
 void ProblemReader::read_inflow() {
   if (!root_.has("inflow")) return;
   const Table table = root_.table("inflow");
   const Side side = side_named(table.word("side", sides_of(problem_.dimension)));
   claim(table, "side", side, "[inflow]");
   if (table.has("pressure")) {
+    for (const char* key : {"profile", "mean_velocity", "ramp"})
+      if (table.has(key))
+        table.refuse(key,
+                     "belongs to an inflow of prescribed velocity, and this one has a "
+                     "pressure; remove one of them");
     problem_.pressure_inflow = read_pressure_side(table, side);
     return;
   }
@@ -475,6 +498,10 @@ void ProblemReader::read_solids() {
   for (const auto& name : names) {
     const Table body = table.table(name);
     check_name(body, name, "body");
+    for (const auto& wall : problem_.curved_walls)
+      if (wall.name == name)
+        body.refuse("", "[curved_wall." + name +
+                            "] has this name already, and probes name both; choose another");
     problem_.solids.push_back(read_solid(body, name));
   }
 }
@@ -492,10 +519,10 @@ Solid ProblemReader::read_solid(const Table& table, const std::string& name) con
                              "; move or shrink the body, or enlarge the channel");
   for (const auto& other : problem_.solids) {
     if (overlap(solid, other))
-      table.refuse("body", "the body overlaps [solid." + other.name + "], which reaches " +
-                               box_text(bounding_box(other, problem_.dimension),
-                                        problem_.dimension) +
-                               "; move one of them");
+      table.refuse("body",
+                   "the body overlaps [solid." + other.name + "], which reaches " +
+                       box_text(bounding_box(other, problem_.dimension), problem_.dimension) +
+                       "; move one of them");
   }
   solid.youngs_modulus = positive(table, "youngs_modulus", dimension::pressure);
   if (table.has("clamped")) {
@@ -516,8 +543,9 @@ void ProblemReader::read_body(const Table& table, Solid& solid) const {
   Arc arc;
   const auto centre = table.quantities("centre", dimension::length);
   if (centre.size() != 2)
-    table.refuse("centre", std::to_string(centre.size()) +
-                               " coordinates; a ring lies in the x-y plane, write [\"x m\", \"y m\"]");
+    table.refuse("centre",
+                 std::to_string(centre.size()) +
+                     " coordinates; a ring lies in the x-y plane, write [\"x m\", \"y m\"]");
   std::copy(centre.begin(), centre.end(), arc.centre.begin());
   arc.inner_radius = positive(table, "inner_radius", dimension::length);
   arc.outer_radius = positive(table, "outer_radius", dimension::length);
@@ -675,13 +703,17 @@ void ProblemReader::read_profile(const Table& table, const std::string& name) {
 }
 
 void ProblemReader::read_force(const Table& table, const std::string& name) {
-  const std::string on = table.text("force_on");
-  for (const auto& wall : problem_.curved_walls)
-    if (wall.name == on) {
-      problem_.probes.force.push_back({name, "", on});
-      return;
-    }
-  problem_.probes.force.push_back({name, read_solid_name(table, "force_on"), ""});
+  std::vector<std::string> names;
+  for (const auto& wall : problem_.curved_walls) names.push_back(wall.name);
+  const auto walls = static_cast<std::ptrdiff_t>(names.size());
+  for (const auto& solid : problem_.solids) names.push_back(solid.name);
+  if (names.empty())
+    table.refuse("force_on",
+                 "the scene has no solid and no curved wall; add one, such as [solid.beam], or "
+                 "remove this probe");
+  const std::string on = table.word("force_on", names);
+  const bool is_wall = std::find(names.begin(), names.begin() + walls, on) < names.begin() + walls;
+  problem_.probes.force.push_back({name, is_wall ? "" : on, is_wall ? on : ""});
 }
 
 void ProblemReader::read_pressure(const Table& table, const std::string& name) {

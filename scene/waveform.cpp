@@ -13,7 +13,7 @@ Waveform Waveform::from_formula(const std::string& text) {
   Waveform waveform;
   waveform.formula_.emplace(text, std::vector<std::string>{"t"});
   if (!std::isfinite(waveform.formula_->value(std::array{0.0})))
-    throw FormulaError("the formula has no finite value at t = 0");
+    throw FormulaError("the formula has no finite value at t = 0; write one that has");
   return waveform;
 }
 
@@ -22,11 +22,14 @@ Waveform Waveform::from_file(const std::filesystem::path& file) {
   if (!in) throw std::runtime_error(file.string() + ": cannot be opened");
   Waveform waveform;
   std::string line;
-  std::getline(in, line);  // header
   const auto refuse = [&](int number, const std::string& reason) {
     throw std::runtime_error(file.string() + ":" + std::to_string(number) + ": \"" + line +
                              "\": " + reason);
   };
+  std::getline(in, line);
+  double sample = 0.0;
+  if (std::istringstream(line) >> sample)
+    refuse(1, "a number in the place of the header; write a header line above the samples");
   for (int number = 2; std::getline(in, line); ++number) {
     std::string cells = line;
     std::replace(cells.begin(), cells.end(), ',', ' ');

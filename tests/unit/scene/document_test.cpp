@@ -81,6 +81,34 @@ TEST(Document, SameFromFileAndFromText) {
   std::filesystem::remove(file);
 }
 
+TEST(Document, ReadsListsOfTextsAndListsOfLists) {
+  const auto scene = Document::from_text(R"toml([t]
+texts = ["sin(x)", "", "1"]
+rows = [["1 mm", "2 cm"], [], ["3 m"]]
+none = []
+deep = [[["1 m"]]]
+mixed = [["1 m", "2 s"]]
+)toml",
+                                         "s.toml");
+  const auto table = scene.table("t");
+  EXPECT_EQ(table.texts("texts"), (std::vector<std::string>{"sin(x)", "", "1"}));
+  EXPECT_EQ(table.quantity_rows("rows", dimension::length),
+            (std::vector<std::vector<double>>{{0.001, 0.02}, {}, {3}}));
+  EXPECT_TRUE(table.texts("none").empty());
+  EXPECT_TRUE(table.quantity_rows("none", dimension::length).empty());
+  EXPECT_EQ(scene_error([&] { table.quantity_rows("mixed", dimension::length); }),
+            "s.toml:6: [t] mixed = [[\"1 m\", \"2 s\"]]: \"2 s\": a time where a length is needed; "
+            "write a length, such as \"3.75 mm\"");
+  EXPECT_EQ(scene_error([&] { table.quantity_rows("deep", dimension::length); }),
+            "s.toml:5: [t] deep = [[[\"1 m\"]]]: a list where a quantity with its unit is "
+            "needed; write a length, such as \"3.75 mm\"");
+  EXPECT_EQ(scene_error([&] { table.texts("rows"); }),
+            "s.toml:3: [t] rows = [[\"1 mm\", \"2 cm\"], [], [\"3 m\"]]: a list "
+            "where a text is needed; write a list of texts in brackets, each in quotes");
+  EXPECT_EQ(scene_error([&] { table.texts("nowhere"); }),
+            "s.toml:1: [t] nowhere is missing; write a list of texts in brackets, each in quotes");
+}
+
 TEST(Document, RefusesFilesThatAreNone) {
   EXPECT_EQ(scene_error([] { Document("/nowhere/beam.toml"); }),
             "/nowhere/beam.toml: no such scene file; check the path");

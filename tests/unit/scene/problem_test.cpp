@@ -229,7 +229,6 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{17, R"(ramp = "-1 s")",
                 "s.toml:17: [inflow] ramp = \"-1 s\": must not be negative; write \"0 s\" for full "
                 "speed from the start"},
-        Refusal{17, "", "s.toml:13: [inflow] ramp is missing; write a time, such as \"0.2 s\""},
         Refusal{19, R"(side = "left")",
                 "s.toml:19: [outflow] side = \"left\": the side \"left\" has a condition already "
                 "([inflow]); give every side one condition"},
@@ -306,7 +305,7 @@ INSTANTIATE_TEST_SUITE_P(
             "nearest known word is displacement_of"},
         Refusal{26, "",
                 "s.toml:25: [probes.tip]: measures nothing; write exactly one of displacement_of, "
-                "velocity_along, force_on or outline_of"},
+                "velocity_along, force_on, outline_of or pressure_at"},
         Refusal{
             31, "force_on = \"beam\"\noutline_of = \"beam\"",
             "s.toml:32: [probes.force] outline_of = \"beam\": a probe measures one thing, and this "
@@ -402,8 +401,8 @@ density = "1000 kg/m3"
 [probes.p]
 )";
   EXPECT_EQ(scene_error([&] { read(bare + "force_on = \"beam\"\n"); }),
-            "s.toml:9: [probes.p] force_on = \"beam\": the scene has no solid; add one, such as "
-            "[solid.beam], or remove this probe");
+            "s.toml:9: [probes.p] force_on = \"beam\": the scene has no solid and no curved wall; "
+            "add one, such as [solid.beam], or remove this probe");
   EXPECT_EQ(
       scene_error([&] { read(bare + "displacement_of = [\"0 m\", \"0 m\"]\n"); }),
       "s.toml:9: [probes.p] displacement_of = [\"0 m\", \"0 m\"]: the scene has no solid; add one, "
