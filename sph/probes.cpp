@@ -115,7 +115,8 @@ std::vector<double> pressure_at(const State<dim>& state, const std::vector<Vecto
     std::vector<Vector<1>> values;
     for (const std::int32_t j : support.of(p).index) {
       const std::int32_t source = state.images.source(j);
-      if (particles.role[source] == Role::inflow) continue;  // no equation, no pressure
+      // No pressure of their own: inflow columns; pressure columns stand for the side before them.
+      if (static_cast<std::size_t>(source) >= particles.unknowns) continue;
       offsets.push_back((points[j] - places[p]) / particles.spacing);
       weights.push_back(kernel.value((points[j] - places[p]).norm()));
       values.push_back(Vector<1>(particles.pseudo_pressure[source]));
@@ -132,6 +133,8 @@ Vector<dim> force_on_surface(const State<dim>& state, const ShapedWall<dim>& wal
   const auto& particles = state.particles;
   const double dx = particles.spacing;
   const Kernel<dim> kernel(1.25 * state.kernel.smoothing_length());
+  std::vector<Vector<dim>> extended;
+  state.images.extend_for_viscosity(particles.velocity, extended);
   std::vector<Vector<dim>> places;
   for (const auto& patch : patches) places.push_back(patch.centre);
   const auto& points = state.images.points();
@@ -147,11 +150,11 @@ Vector<dim> force_on_surface(const State<dim>& state, const ShapedWall<dim>& wal
       const Vector<dim> r = points[j] - places[p];
       if (r.dot(patches[p].normal) < 0.0 || state.images.by_shaped_wall(j)) continue;
       const std::int32_t source = state.images.source(j);
-      if (particles.role[source] == Role::inflow) continue;
+      if (static_cast<std::size_t>(source) >= particles.unknowns) continue;
       offsets.push_back(r / dx);
       weights.push_back(kernel.value(r.norm()));
       psi.push_back(Vector<1>(particles.pseudo_pressure[source]));
-      velocity.push_back(particles.velocity[source]);
+      velocity.push_back(extended[j]);
     }
     if (offsets.empty()) continue;
     const double pressure = particles.density * (state.balanced_acceleration.dot(places[p]) -
