@@ -48,7 +48,7 @@ class FrontDoorTest(unittest.TestCase):
             (("validate", "beam_in_channel", "--time-limit", "paper"), "RUN=SECONDS"),
             (("report",), "--help"),
             (("report", "/nowhere"), "comparison.json"),
-            (("study",), "no study"),
+            (("study",), "numerics"),
             (("--no-reference", "reference", "scene.toml"), "--no-reference"),
         ):
             with self.subTest(arguments):

@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""numerics_figure.py TABLE PICTURE: error against processor time for the choices of [numerics], from numerics.csv."""
+
+import csv
+import sys
+from pathlib import Path
+
+import style  # chooses matplotlib's backend
+
+import matplotlib.pyplot as plt  # noqa: E402
+
+PANELS = [("taylor_green_energy_error", "taylor_green_processor_seconds", "Taylor-Green Re = 100: error of kinetic energy"),
+          ("taylor_green_velocity_error", "taylor_green_processor_seconds", "Taylor-Green Re = 100: L2 error of velocity"),
+          ("cavity_u_error", "cavity_processor_seconds", "Cavity Re = 100: u against Ghia")]
+GROUPS = {"recommended": "#c1272d", "pressure_solver": "#0072b2", "pressure_tolerance": "#56b4e9",
+          "smoothing_length_ratio": "#009e73", "shifting": "#e69f00", "density_feedback": "#cc79a7"}
+
+
+def read(file: Path) -> list[dict]:
+    return list(csv.DictReader(line for line in file.read_text().splitlines() if not line.startswith("#")))
+
+
+def colour(choice: str) -> str:
+    return next((c for group, c in GROUPS.items() if choice.startswith(group)), style.REFERENCE)
+
+
+def draw(rows: list[dict], file: Path) -> None:
+    figure, axes = plt.subplots(1, len(PANELS), figsize=(5.2 * len(PANELS), 5.0), layout="constrained")
+    for panel, (error, time, title) in zip(axes, PANELS):
+        points = [(float(r[time]), float(r[error]), r["choice"]) for r in rows if r[error] and r[time]]
+        for number, (x, y, choice) in enumerate(sorted(points, key=lambda p: p[1])):
+            panel.loglog(x, y, "o", color=colour(choice), markersize=7 if choice == "recommended" else 4)
+            # Labels to both sides in turn, so that neighbours do not cover each other.
+            panel.annotate(choice.replace("=", " "), (x, y), fontsize=6, color=colour(choice), va="center",
+                           xytext=(6, 0) if number % 2 else (-6, 0), textcoords="offset points",
+                           ha="left" if number % 2 else "right")
+        missing = [r["choice"] for r in rows if not r[error]]
+        note = f"\nnot finished: {', '.join(missing)}" if missing else ""
+        panel.set(title=title, xlabel="processor time [s]" + note, ylabel="error")
+        panel.margins(x=0.6, y=0.08)
+    beside = file.with_name("new_" + file.name)
+    figure.savefig(beside)
+    plt.close(figure)
+    beside.replace(file)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3 or not Path(sys.argv[1]).exists():
+        sys.exit("numerics_figure.py takes the table of ./sprung study numerics and the picture to write")
+    draw(read(Path(sys.argv[1])), Path(sys.argv[2]))
