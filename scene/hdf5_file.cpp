@@ -76,6 +76,11 @@ void Output::write(const std::string& path, std::span<const std::int64_t> values
   write(path, H5T_NATIVE_INT64, values.data(), values.size(), shape);
 }
 
+void Output::write(const std::string& path, std::span<const std::uint8_t> values,
+                   const Shape& shape) {
+  write(path, H5T_NATIVE_UINT8, values.data(), values.size(), shape);
+}
+
 void Output::write(const std::string& path, hid_t type, const void* values, std::size_t count,
                    const Shape& shape) {
   if (element_count(shape) != count)
@@ -123,6 +128,29 @@ void Output::attribute(const std::string& path, const std::string& name,
   const hsize_t count = pointers.size();
   const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
   write_attribute(path, name, text_type(), space, pointers.data());
+}
+
+void Output::attribute(const std::string& path, const std::string& name,
+                       const std::vector<std::int64_t>& values) {
+  const hsize_t count = values.size();
+  const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  const Handle type(H5Tcopy(H5T_NATIVE_INT64), H5Tclose);
+  write_attribute(path, name, type, space, values.data());
+}
+
+void Output::fixed_attribute(const std::string& path, const std::string& name,
+                             const std::string& text) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), text.size());
+  write_attribute(path, name, type, space, text.data());
+}
+
+void Output::alias(const std::string& path, const std::string& target) {
+  const Handle links = link_properties();
+  if (H5Lcreate_hard(file_.get(), target.c_str(), file_.get(), path.c_str(), links.get(),
+                     H5P_DEFAULT) < 0)
+    fail("cannot hold the link " + path);
 }
 
 void Output::link(const std::string& path, const std::string& target) {

@@ -57,10 +57,17 @@ class Output {
   void group(const std::string& path);
   void write(const std::string& path, std::span<const double> values, const Shape& shape);
   void write(const std::string& path, std::span<const std::int64_t> values, const Shape& shape);
+  void write(const std::string& path, std::span<const std::uint8_t> values, const Shape& shape);
   void attribute(const std::string& path, const std::string& name, double value);
   void attribute(const std::string& path, const std::string& name, const std::string& text);
   void attribute(const std::string& path, const std::string& name,
                  const std::vector<std::string>& texts);
+  void attribute(const std::string& path, const std::string& name,
+                 const std::vector<std::int64_t>& values);
+  /// A text of fixed length, as some readers ask for.
+  void fixed_attribute(const std::string& path, const std::string& name, const std::string& text);
+  /// A second name, `path`, of the dataset `target` of this file.
+  void alias(const std::string& path, const std::string& target);
   /// A link at `path` to the root of the file `target`, given relative to this file's folder.
   void link(const std::string& path, const std::string& target);
   void commit();

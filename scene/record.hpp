@@ -1,7 +1,7 @@
 #pragma once
 /// The result of a run, the same for both solvers: a folder with
 ///   record.h5      series (probes, ledgers), tables (profiles, outlines), links to the snapshots
-///   fields/*.h5    one file per field snapshot
+///   fields/*.vtkhdf  one file per field snapshot; VTK reads each as it is
 ///   record.xdmf    opens in ParaView
 ///   manifest.json  scene as resolved, commit, compiler, processor, versions, time and outcome
 ///   probes/*.csv   every series (tip.csv) and table (profile_t0.2.csv) as plain columns,
@@ -10,7 +10,7 @@
 /// Inside record.h5:
 ///   /series/<name>           rows x columns; attributes columns, units
 ///   /tables/<name>/<NNNNNN>  one per time: rows x columns; attributes columns, units, time [s]
-///   /fields/<NNNNNN>         the snapshot fields/<NNNNNN>.h5 with attribute time [s]:
+///   /fields/<NNNNNN>         the snapshot fields/<NNNNNN>.vtkhdf with attribute time [s]:
 ///                            positions (points x 3), fields/<name>, and
 ///                            cells (cells x nodes; the cells of a cloud are its points)
 /// Every file is written beside its place and then renamed: whoever looks sees the old one or the

@@ -78,7 +78,7 @@ void RecordWriter::State::make_folders() const {
 void RecordWriter::State::remove_old() const {
   std::error_code error;
   for (const auto* name : main_files) fs::remove(folder / name, error);
-  for (const auto& file : own_files(folder / "fields", ".h5")) fs::remove(file, error);
+  for (const auto& file : own_files(folder / "fields", ".vtkhdf")) fs::remove(file, error);
   for (const auto& file : own_files(folder / "probes", ".csv")) fs::remove(file, error);
   remove_unfinished();
 }
@@ -181,7 +181,7 @@ RecordWriter RecordWriter::resume(fs::path folder, Manifest manifest, double tim
   state->flush();
   state->remove_unfinished();
   std::error_code error;
-  for (const auto& file : own_files(state->folder / "fields", ".h5"))
+  for (const auto& file : own_files(state->folder / "fields", ".vtkhdf"))
     if (!wanted.contains(file)) fs::remove(file, error);
   for (const auto& file : own_files(state->folder / "probes", ".csv"))
     if (!wanted.contains(file)) fs::remove(file, error);

@@ -4,6 +4,7 @@
 #include "scene/record_text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <set>
@@ -103,11 +104,38 @@ std::string grid_text(const Snapshot& snapshot) {
   return text + "      </Grid>\n";
 }
 
+/// The group that VTK's own reader looks for (VTKHDF 1.0, unstructured grid of one part): mostly
+/// second names of what is there already.
+void add_vtk_view(hdf5::Output& output, const Snapshot& snapshot,
+                  std::span<const std::int64_t> nodes) {
+  output.group("/VTKHDF/PointData");
+  output.attribute("/VTKHDF", "Version", std::vector<std::int64_t>{1, 0});
+  output.fixed_attribute("/VTKHDF", "Type", "UnstructuredGrid");
+  const auto count = [&](const std::string& name, std::size_t value) {
+    output.write("/VTKHDF/" + name, std::array{static_cast<std::int64_t>(value)}, {1});
+  };
+  count("NumberOfPoints", snapshot.points);
+  count("NumberOfCells", snapshot.cells);
+  count("NumberOfConnectivityIds", nodes.size());
+  output.alias("/VTKHDF/Points", "/positions");
+  output.write("/VTKHDF/Connectivity", nodes, {nodes.size()});
+  std::vector<std::int64_t> offsets(snapshot.cells + 1);
+  const std::size_t each = snapshot.cells > 0 ? nodes.size() / snapshot.cells : 0;
+  for (std::size_t c = 0; c < offsets.size(); ++c)
+    offsets[c] = static_cast<std::int64_t>(c * each);
+  output.write("/VTKHDF/Offsets", offsets, {offsets.size()});
+  // VTK's numbers of a vertex, a triangle and a quadrilateral.
+  const std::uint8_t type = each == 3 ? 5 : each == 4 ? 9 : 1;
+  output.write("/VTKHDF/Types", std::vector<std::uint8_t>(snapshot.cells, type), {snapshot.cells});
+  for (const auto& field : snapshot.fields)
+    output.alias("/VTKHDF/PointData/" + field.name, "/fields/" + field.name);
+}
+
 }  // namespace
 
 std::string snapshot_file(int index) {
   char name[32];
-  std::snprintf(name, sizeof name, "fields/%06d.h5", index);
+  std::snprintf(name, sizeof name, "fields/%06d.vtkhdf", index);
   return name;
 }
 
@@ -119,13 +147,14 @@ Snapshot write_snapshot(const std::filesystem::path& folder, int index, double t
   output.attribute("/", "time", time);
   output.attribute("/", "nodes_per_cell", static_cast<double>(data.nodes_per_cell));
   output.write("/positions", data.positions, {snapshot.points, 3});
+  std::vector<std::int64_t> vertices;
   if (data.nodes_per_cell > 0) {
     const auto nodes = static_cast<std::size_t>(data.nodes_per_cell);
     snapshot.cells = data.cells.size() / nodes;
     output.write("/cells", data.cells, {snapshot.cells, nodes});
   } else {
     // Readers differ on a cloud without connectivity; with it they agree.
-    std::vector<std::int64_t> vertices(snapshot.points);
+    vertices.resize(snapshot.points);
     for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = static_cast<std::int64_t>(i);
     snapshot.cells = snapshot.points;
     output.write("/cells", vertices, {snapshot.points, 1});
@@ -141,6 +170,7 @@ Snapshot write_snapshot(const std::filesystem::path& folder, int index, double t
                  shape);
     snapshot.fields.push_back({field.name, components});
   }
+  add_vtk_view(output, snapshot, data.nodes_per_cell > 0 ? data.cells : vertices);
   output.commit();
   std::sort(snapshot.fields.begin(), snapshot.fields.end(),
             [](const auto& a, const auto& b) { return a.name < b.name; });

@@ -31,7 +31,7 @@ struct SnapshotData {
   const std::vector<Field>* fields = nullptr;
 };
 
-/// "fields/000012.h5"
+/// "fields/000012.vtkhdf"
 std::string snapshot_file(int index);
 
 /// Checks sizes and numbers, then writes the file into `folder`. Throws std::runtime_error for NaN

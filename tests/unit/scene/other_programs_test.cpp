@@ -80,7 +80,7 @@ TEST(OtherPrograms, PythonReadsRecordAndXdmf) {
   const auto answer =
       run(SPRUNG_DEBIAN_PYTHON " " + quoted(SPRUNG_READ_RECORD) + " " + quoted(folder.path()));
   EXPECT_EQ(answer.status, 0) << answer.text;
-  EXPECT_EQ(answer.text, "record and xdmf agree\n");
+  EXPECT_EQ(answer.text, "record, xdmf and VTK agree\n");
 }
 
 }  // namespace

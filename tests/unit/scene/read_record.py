@@ -44,6 +44,28 @@ def check_hdf5(folder):
                 np.testing.assert_array_equal(snapshot["fields"][name][:], values)
 
 
+def check_vtk(folder):
+    """VTK's own reader, as ParaView uses it."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOHDF import vtkHDFReader
+
+    for number, (_, _, positions, cells, fields) in enumerate(SNAPSHOTS):
+        reader = vtkHDFReader()
+        file = str(folder / f"fields/{number:06d}.vtkhdf")
+        assert reader.CanReadFile(file)
+        reader.SetFileName(file)
+        reader.Update()
+        grid = reader.GetOutput()
+        np.testing.assert_array_equal(vtk_to_numpy(grid.GetPoints().GetData()), positions)
+        assert grid.GetNumberOfCells() == len(cells)
+        for c, nodes in enumerate(cells):
+            ids = grid.GetCell(c).GetPointIds()
+            assert [ids.GetId(k) for k in range(ids.GetNumberOfIds())] == list(nodes)
+        for name, values in fields.items():
+            np.testing.assert_array_equal(
+                vtk_to_numpy(grid.GetPointData().GetArray(name)), values)
+
+
 def read_item(folder, item):
     """The array that a DataItem names, which must have the shape that it states."""
     file, path = item.text.strip().split(":")
@@ -95,8 +117,9 @@ def main():
     check_hdf5(folder)
     check_xdmf(folder)
     check_meshio(folder)
+    check_vtk(folder)
     assert json.loads((folder / "manifest.json").read_text())["outcome"] == "finished"
-    print("record and xdmf agree")
+    print("record, xdmf and VTK agree")
 
 
 main()

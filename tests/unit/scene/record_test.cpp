@@ -385,7 +385,7 @@ TEST(Record, SameTimeReplaces) {
   writer.write_points(0.2, triangle, {});
   writer.flush();
   EXPECT_EQ(RecordReader(folder.path()).table("profile", 0.2).values, (std::vector<double>{3, 4}));
-  EXPECT_FALSE(fs::exists(folder.path() / "fields" / "000001.h5"));
+  EXPECT_FALSE(fs::exists(folder.path() / "fields" / "000001.vtkhdf"));
 }
 
 }  // namespace
