@@ -148,8 +148,8 @@ void Output::fixed_attribute(const std::string& path, const std::string& name,
 
 void Output::alias(const std::string& path, const std::string& target) {
   const Handle links = link_properties();
-  if (H5Lcreate_hard(file_.get(), target.c_str(), file_.get(), path.c_str(), links.get(),
-                     H5P_DEFAULT) < 0)
+  // A soft link: h5dump does not find a dataset of two hard names across an external link.
+  if (H5Lcreate_soft(target.c_str(), file_.get(), path.c_str(), links.get(), H5P_DEFAULT) < 0)
     fail("cannot hold the link " + path);
 }
 
