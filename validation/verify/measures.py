@@ -255,7 +255,8 @@ def mean_value(record: Record, scene: Scene, check: dict, folder: Path) -> Findi
                   values[:whole].reshape(-1, block).mean(1).tolist(), [check["value"]] * (whole // block))
     return Finding(abs(found - check["value"]) / size,
                    {"value": found, "published": check["value"], "drift while averaged": drift / size,
-                    "standard deviation of a step": float(np.std(values[late])) / size}, [curve], ("t [s]", check["says"]))
+                    "standard deviation of a step": float(np.std(values[late])) / size}, [curve],
+                   ("t [s]", check.get("label", check["column"])))
 
 
 KINDS = {"profile": profile, "particles": particles, "energy": energy, "flow_rate": flow_rate, "pressure": pressure,
