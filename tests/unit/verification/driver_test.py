@@ -138,6 +138,25 @@ class DriverTest(unittest.TestCase):
         self.assertGreater((self.out / "verification.png").stat().st_size, 20_000)
 
 
+class NumericsStudyTest(unittest.TestCase):
+    def test_the_table_says_what_made_it_and_its_picture_is_drawn(self):
+        sys.path.insert(0, str(ROOT / "validation" / "verify"))
+        import numerics_study
+        run = {"commit": "abc", "clean": "yes", "processor": "formula", "threads": 1, "load_at_start": 0.5}
+        rows = [{"choice": "recommended", "taylor_green_energy_error": "0.004", "taylor_green_velocity_error": "0.02",
+                 "taylor_green_processor_seconds": "0.5", "cavity_u_error": "0.003", "cavity_processor_seconds": "7"},
+                {"choice": "shifting=none", "taylor_green_outcome": "stopped: void"}]
+        text = numerics_study.table(rows, [run], {"taylor_green": "20 mm", "cavity": "20 mm"})
+        self.assertIn("commit abc, clean yes", text)
+        with tempfile.TemporaryDirectory() as folder:
+            file, picture = Path(folder) / "numerics.csv", Path(folder) / "numerics.png"
+            file.write_text(text)
+            drawn = subprocess.run(["/usr/bin/python3", "-B", ROOT / "reports/numerics_figure.py", file, picture],
+                                   capture_output=True, text=True, timeout=60)
+            self.assertEqual(drawn.returncode, 0, drawn.stderr)
+            self.assertGreater(picture.stat().st_size, 10_000)
+
+
 class SlopeTest(unittest.TestCase):
     def test_slope(self):
         sys.path.insert(0, str(ROOT / "validation" / "verify"))
