@@ -41,9 +41,10 @@ struct BulkModulus {
 /// stress = 4/3 E strain.
 double modulus_per_stiffness(int dimension, double load, double strain);
 
-/// What the incompressible lattice gives along an axis: 3 in space; 3/2 in the plane, and
-/// 3/2 (2 + kappa)/(3 + kappa) with area springs kappa G (Lame constant (1 + kappa) G, plane
-/// strain).
+/// What the incompressible lattice gives along an axis: 3 in space, 3/2 in the plane. With volume
+/// springs kappa G (isotropic bonds: Lame constant (1 + kappa) G) in space that of the cubic
+/// crystal, (5 + 3 kappa)/(2 + kappa) for isotropic bonds, and in plane strain 3/2 (2 + kappa)/(3 +
+/// kappa).
 double theoretical_lambda(const Material& material);
 
 /// `advance(done, remark)`: 0 to 1.

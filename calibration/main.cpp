@@ -1,6 +1,7 @@
 /// sprung-calibrate: measures lambda = E/k_e of the spring lattices by tests that run through sph/.
 
 #include "calibration/bending_test.hpp"
+#include "calibration/finite_strain.hpp"
 #include "calibration/lattice_modulus.hpp"
 #include "calibration/published.hpp"
 #include "scene/progress.hpp"
@@ -20,9 +21,11 @@ using namespace sprung::calibration;
 struct Arguments {
   std::string out = SPRUNG_CALIBRATION_FOLDER;
   std::vector<double> area_stiffness;
+  std::string row;  ///< "3,isotropic,300": the only one to measure
   bool resume = false;
   int threads = 1;
   int layers = 20;
+  double seconds = 10.0;
   std::string command;
 };
 
@@ -31,7 +34,8 @@ std::vector<Material> backbone() {
   using enum sph::Bonds;
   return {{2, equal, 0.0},       {2, isotropic, 0.0},   {2, isotropic, 30.0},
           {2, isotropic, 100.0}, {2, isotropic, 300.0}, {2, isotropic, 1000.0},
-          {3, equal, 0.0},       {3, isotropic, 0.0}};
+          {3, equal, 0.0},       {3, isotropic, 0.0},   {3, isotropic, 300.0},
+          {3, equal, 300.0}};
 }
 
 /// Measures rows of the table. A row is written as soon as it is measured, so that what was stopped
@@ -41,6 +45,12 @@ int measure_table(const Arguments& a) {
   for (const double kappa : a.area_stiffness)
     materials.push_back({2, sph::Bonds::isotropic, kappa});
   if (materials.empty()) materials = backbone();
+  if (!a.row.empty()) {
+    std::erase_if(materials, [&](const Material& m) { return key_of(m) != a.row; });
+    if (materials.empty())
+      throw std::runtime_error("--row: there is no row " + a.row +
+                               "; such as 2,equal,0 or 3,isotropic,300");
+  }
   const auto folder = std::filesystem::path(a.out);
   const auto file = folder / "modulus_per_stiffness.csv";
   Sheet table = read_sheet(file), pulls = read_sheet(folder / "pulls.csv");
@@ -161,9 +171,8 @@ std::string plate_row(const PlateCase& c, int layers) {
   plate.width = c.material.dimension == 3 ? layers + 1 : 1;
   const bool straight = c.bend == 0.0;
   const std::string stretching = straight ? fmt::format("{:.5f}", stretching_ratio(plate)) : "";
-  const std::string frequency = straight && c.material.dimension == 2
-                                    ? fmt::format("{:.5f}", frequency_ratio(plate))
-                                    : "";
+  const std::string frequency =
+      straight && c.material.dimension == 2 ? fmt::format("{:.5f}", frequency_ratio(plate)) : "";
   return fmt::format("{},{},{},{:g},{:g},{},{},{:.5f},{},{:.5f}", key_of(c.material),
                      c.corrected ? "yes" : "no", plate.width, c.angle_degrees, c.bend, layers,
                      stretching, bending_ratio(plate), frequency, derived_bending(c, plate));
@@ -194,19 +203,120 @@ int bending(const Arguments& a) {
       sheet.rows.push_back(plate_row(c, n));
       progress.advance(static_cast<double>(sheet.rows.size()), fmt::format("{} layers", n));
     }
-  publish(std::filesystem::path(a.out) / "bending.csv", sheet,
+  publish(
+      std::filesystem::path(a.out) / "bending.csv", sheet,
+      {a.command,
+       "Plates over the continuum of thickness n dx and of the table's bulk modulus in theory: "
+       "in the plane in plane strain, in space bars of n layers and `width` particles across. "
+       "angle_degrees: to the axes, the particles fitted to the plate; bend: thickness over the "
+       "radius of the middle line, compared with Golovin's curved bar. Stretching EA and "
+       "bending EI: static, dead forces or couples on the end rows, strain and change of slope "
+       "of the middle half, 16 n rows (in space 8 n). Frequency: first of the plate clamped at "
+       "one end, 10 n rows, over that of the Timoshenko beam (shear coefficient 5/6). Law: 0.75 "
+       "(n-1)/n for springs alone, the count of bonds with cells that keep their volume, 1 with "
+       "surface correction. One layer is a mechanism in bending and is refused.",
+       wall_seconds() - began,
+       {}});
+  return 0;
+}
+
+/// Nominal stress against stretch: lattice, neo-Hookean solid, and a cube pulled through the
+/// network.
+int stress_strain(const Arguments& a) {
+  const double began = wall_seconds();
+  Sheet sheet{"dimension,bonds,deformation,stretch,lattice_over_g,neo_hookean_over_g,cube_over_g",
+              {}};
+  struct Case {
+    Material material;
+    Deformation deformation;
+    double shear_modulus;
+  };
+  const Material space{3, sph::Bonds::isotropic, 0.0}, plane{2, sph::Bonds::isotropic, 0.0};
+  const Case cases[] = {{space, Deformation::uniaxial, spring_stiffness},
+                        {space, Deformation::equibiaxial, spring_stiffness},
+                        {space, Deformation::pure_shear, spring_stiffness},
+                        {space, Deformation::simple_shear, spring_stiffness},
+                        {plane, Deformation::uniaxial, 0.5 * spring_stiffness}};
+  Progress progress("stress and stretch", 5.0 * 13);
+  for (const Case& c : cases)
+    for (int k = -6; k <= 6; ++k) {
+      const double s = (c.deformation == Deformation::simple_shear ? 0.0 : 1.0) + 0.05 * k;
+      const double lattice = lattice_stress(c.material, c.deformation, s);
+      std::string cube;
+      if (c.deformation == Deformation::uniaxial && k != 0) {
+        // The stress that the lattice says, as a load on a corrected cube: does it stretch so far?
+        Pull pull;
+        pull.layers = c.material.dimension == 3 ? 8 : 16;
+        pull.load = lattice / spring_stiffness;
+        pull.surface_correction = true;
+        pull.load_steps = 3 * std::abs(k);
+        Material nearly = c.material;
+        nearly.area_stiffness = 300.0;
+        const double reached = 1.0 + (c.material.dimension == 3 ? pull_network<3>(nearly, pull)
+                                                                : pull_network<2>(nearly, pull))
+                                         .core_axial;
+        cube = fmt::format("{:.5f}",
+                           lattice_stress(c.material, c.deformation, reached) / c.shear_modulus);
+      }
+      sheet.rows.push_back(fmt::format(
+          "{},{},{},{:.2f},{:.5f},{:.5f},{}", c.material.dimension, to_string(c.material.bonds),
+          to_string(c.deformation), s, lattice / c.shear_modulus,
+          neo_hookean_stress(c.material.dimension, c.shear_modulus, c.deformation, s) /
+              c.shear_modulus,
+          cube));
+      progress.advance(static_cast<double>(sheet.rows.size()), to_string(c.deformation));
+    }
+  publish(std::filesystem::path(a.out) / "stress_strain.csv", sheet,
           {a.command,
-           "Plates over the continuum of thickness n dx and of the table's bulk modulus in theory: "
-           "in the plane in plane strain, in space bars of n layers and `width` particles across. "
-           "angle_degrees: to the axes, the particles fitted to the plate; bend: thickness over the "
-           "radius of the middle line, compared with Golovin's curved bar. Stretching EA and "
-           "bending EI: static, dead forces or couples on the end rows, strain and change of slope "
-           "of the middle half, 16 n rows (in space 8 n). Frequency: first of the plate clamped at "
-           "one end, 10 n rows, over that of the Timoshenko beam (shear coefficient 5/6). Law: 0.75 "
-           "(n-1)/n for springs alone, the count of bonds with cells that keep their volume, 1 with "
-           "surface correction. One layer is a mechanism in bending and is refused.",
+           "Nominal stress over G against stretch (of simple shear: shear) along the lattice's "
+           "axes, volume kept. lattice: derivative of the energy of the springs of one particle in "
+           "the bulk. neo_hookean: incompressible, W = G (I1 - 3)/2. cube: the lattice's stress at "
+           "the stretch that a cube of the corrected network with volume springs 300 G reaches in "
+           "its core under lattice's load as dead forces on its end layers (8 layers, in the plane "
+           "16); its distance from lattice is what the network adds.",
            wall_seconds() - began,
            {}});
+  return 0;
+}
+
+/// Poisson's ratio and volume of blocks held under their load for ten seconds.
+int hold(const Arguments& a) {
+  const double began = wall_seconds();
+  Sheet sheet{
+      "dimension,bonds,area_stiffness,layers,load,seconds,strain_before,strain_after,"
+      "poisson_before,poisson_after,volume_drift_per_second",
+      {}};
+  const Material materials[] = {{2, sph::Bonds::equal, 0.0},
+                                {2, sph::Bonds::isotropic, 300.0},
+                                {3, sph::Bonds::equal, 0.0},
+                                {3, sph::Bonds::isotropic, 300.0}};
+  Progress progress("hold", 8.0);
+  for (const Material& material : materials)
+    for (const double load : {1e-2, 1e-1}) {
+      Pull pull;
+      pull.layers = material.dimension == 3 ? 10 : 20;
+      pull.load = load;
+      pull.tolerance = 1e-5;
+      const HeldBlock held = material.dimension == 3 ? hold_block<3>(material, pull, a.seconds)
+                                                     : hold_block<2>(material, pull, a.seconds);
+      sheet.rows.push_back(
+          fmt::format("{},{},{:g},{:g},{:.6f},{:.6f},{:.5f},{:.5f},{:.3e}", key_of(material),
+                      pull.layers, load, held.seconds, held.strain_before, held.strain_after,
+                      held.poisson_ratio_before, held.poisson_ratio_after, held.volume_drift));
+      fmt::print("{}\n", sheet.rows.back());
+      progress.advance(static_cast<double>(sheet.rows.size()), key_of(material));
+    }
+  publish(
+      std::filesystem::path(a.out) / "hold.csv", sheet,
+      {a.command,
+       "Blocks of n layers along each axis pulled by the particle solver in vacuum (load: force "
+       "on a particle of an end layer over k_e dx^(dimension-1)), brought to rest by damping "
+       "and then held; k_e/density = 10 m2/s2. Without volume springs the pressure equation "
+       "with density feedback keeps the volume, springs explicit; with them springs implicit, "
+       "no feedback. Poisson's ratio of the core, -ln(lateral stretch)/ln(stretch), in the "
+       "plane r/(1+r) of that. Volume: of the lattice cells.",
+       wall_seconds() - began,
+       {}});
   return 0;
 }
 
@@ -224,6 +334,8 @@ int main(int argc, char** argv) {
       "  sprung-calibrate sweep                    the paper's cube, ten spring stiffnesses\n"
       "  sprung-calibrate directions               lambda against the direction of the load\n"
       "  sprung-calibrate bending                  plates of 2 to 12 layers (some minutes)\n"
+      "  sprung-calibrate stress-strain            stretches to 30 %, shear (seconds)\n"
+      "  sprung-calibrate hold                     blocks held under load for 10 s (minutes)\n"
       "  sprung-calibrate --out results/calibration  leave the published table alone\n\n"
       "Exit codes: 0 done; 1 a test did not come to rest or a file cannot be written; 2 the "
       "command "
@@ -235,6 +347,7 @@ int main(int argc, char** argv) {
   app.add_option("--area-stiffness", a.area_stiffness,
                  "measure only this row of the plane, isotropic bonds")
       ->check(CLI::Range(1.0, 1e4));
+  app.add_option("--row", a.row, "measure only this row, such as 3,isotropic,300");
   app.add_flag("--resume", a.resume, "keep rows that this very program has measured already");
   app.add_option("--threads", a.threads, "threads; the bits do not depend on it")
       ->check(CLI::Range(1, 256));
@@ -242,6 +355,9 @@ int main(int argc, char** argv) {
       *app.add_subcommand("sweep", "the paper's cube under +-0.01 MPa, k_e 0.05 to 3.1 MPa");
   cube.add_option("--layers", a.layers, "particles along an edge")->check(CLI::Range(8, 60));
   app.add_subcommand("directions", "lambda against the direction of the load");
+  app.add_subcommand("stress-strain", "springs against the neo-Hookean solid to 30 % and shear");
+  CLI::App& held = *app.add_subcommand("hold", "Poisson's ratio and volume of blocks under load");
+  held.add_option("--seconds", a.seconds, "how long")->check(CLI::Range(0.1, 100.0));
   app.add_subcommand("bending", "plates of few layers in stretching, bending and vibration");
   try {
     app.parse(argc, argv);
@@ -253,6 +369,8 @@ int main(int argc, char** argv) {
     if (app.got_subcommand("sweep")) return sweep(a);
     if (app.got_subcommand("directions")) return directions(a);
     if (app.got_subcommand("bending")) return bending(a);
+    if (app.got_subcommand("stress-strain")) return stress_strain(a);
+    if (app.got_subcommand("hold")) return hold(a);
     return measure_table(a);
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());

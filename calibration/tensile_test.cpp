@@ -123,69 +123,143 @@ PulledBlock measure(const std::vector<Vector<dim>>& rest, const std::vector<Vect
   return result;
 }
 
+/// A block in vacuum under a dead load, with damping that brings it to rest.
+template <int dim>
+class LoadedBlock {
+ public:
+  LoadedBlock(const Material& material, const Pull& pull, double block_density) : pull_(pull) {
+    const double spacing = side / pull.layers;
+    auto particles = block<dim>(cube<dim>(pull.layers), spacing);
+    particles.density = block_density;
+    rest_ = particles.position;
+    mass_ = particles.mass();
+    auto network =
+        network_of<dim>(particles, shape_of<dim>(cube<dim>(pull.layers), spacing), material);
+    const double wave_speed = std::sqrt(spring_stiffness / block_density);
+    const bool implicit = material.area_stiffness > 0.0;
+    auto springs = std::make_unique<sph::ElasticSolid<dim>>(
+        std::move(network), particles,
+        implicit ? sph::SpringIntegration::implicit_force : sph::SpringIntegration::explicit_force);
+    springs_ = springs.get();
+    auto load = end_forces<dim>(pull, spacing);
+    for (auto& f : load) f /= mass_;
+    // Half of critical for the slowest stretching mode, omega = pi c / L, c = sqrt(3 k_e/rho) or
+    // more slowly.
+    damping_ = 1.5 * std::numbers::pi * wave_speed * std::sqrt(dim == 2 ? 2.0 : 3.0) / side;
+    simulation_ = std::make_unique<sph::Simulation<dim>>(
+        numerics(material, pull), std::move(particles), sph::Images<dim>({}));
+    auto& effects = simulation_->effects();
+    if (implicit)
+      effects.constraints.push_back(springs_);
+    else
+      effects.limits.push_back(springs_);
+    effects.body_forces.push_back(std::move(springs));
+    effects.body_forces.push_back(std::make_unique<DampedLoad<dim>>(std::move(load), damping_));
+    effects.constraints.insert(effects.constraints.begin(), &balanced_pressure_);
+    simulation_->stand_in_vacuum();
+    simulation_->start(wave_speed, implicit ? 0.7 * spacing / wave_speed : 0.0);
+  }
+
+  /// Steps until the strain changes by less than the tolerance over a decay time.
+  PulledBlock come_to_rest() {
+    const int window =
+        static_cast<int>(2.0 / (damping_ * simulation_->chosen_time_step().value)) + 1;
+    double before = 0.0;
+    for (int steps = 1; steps <= 200 * window; ++steps) {
+      sph::advance(*simulation_);
+      if (steps % window != 0) continue;
+      PulledBlock result = measured();
+      if (!std::isfinite(result.strain_ends)) break;
+      if (std::abs(result.strain_ends - before) < pull_.tolerance * std::abs(result.strain_ends)) {
+        result.steps = steps;
+        double fastest = 0.0;
+        for (const auto& u : simulation_->state().particles.velocity)
+          fastest = std::max(fastest, u.norm());
+        result.unbalanced =
+            fastest * damping_ * mass_ /
+            (std::abs(pull_.load) * spring_stiffness * std::pow(side / pull_.layers, dim - 1));
+        return result;
+      }
+      before = result.strain_ends;
+    }
+    throw std::runtime_error(fmt::format("tensile test, {}D, {} layers, load {}: not at rest", dim,
+                                         pull_.layers, pull_.load));
+  }
+
+  void hold(double seconds) {
+    const double end = simulation_->state().clock.time + seconds;
+    while (simulation_->state().clock.time < end) sph::advance(*simulation_);
+  }
+
+  PulledBlock measured() const {
+    return measure<dim>(rest_, simulation_->state().particles.position, pull_.layers);
+  }
+  double volume() const {
+    const auto& position = simulation_->state().particles.position;
+    double volume = 0.0;
+    std::array<Vector<dim>, 1 << dim> corner, gradient;
+    for (const auto& cell : springs_->network().body_cells) {
+      for (std::size_t c = 0; c < corner.size(); ++c) corner[c] = position[cell[c]];
+      volume += sph::cell_volume(corner, gradient);
+    }
+    return volume;
+  }
+
+ private:
+  static sph::Numerics numerics(const Material& material, const Pull& pull) {
+    sph::Numerics numerics;
+    numerics.smoothing_length_ratio = pull.smoothing_length_ratio;
+    numerics.normalised_gradient = true;
+    numerics.position_update = sph::PositionUpdate::new_velocity;
+    // A wrong volume is corrected at the rate c/(2 dx), within a few steps; volume springs do so
+    // themselves.
+    numerics.density_feedback = material.area_stiffness > 0.0 ? 0.0 : 0.5;
+    numerics.pressure_tolerance = 1e-8;
+    numerics.pressure_solver = sph::PressureSolverKind::two_level;
+    numerics.bonds = material.bonds;
+    numerics.area_stiffness = material.area_stiffness;
+    numerics.courant = 1.0;
+    return numerics;
+  }
+
+  Pull pull_;
+  std::vector<Vector<dim>> rest_;
+  double mass_ = 0.0, damping_ = 0.0;
+  sph::ElasticSolid<dim>* springs_ = nullptr;
+  BalancedPressure<dim> balanced_pressure_;
+  std::unique_ptr<sph::Simulation<dim>> simulation_;
+};
+
+/// Poisson's ratio of the core for finite strain: -ln(lateral stretch)/ln(stretch), in the plane
+/// r/(1+r) of that.
+template <int dim>
+double poisson_ratio(const PulledBlock& block) {
+  const double r = -std::log1p(block.core_lateral) / std::log1p(block.core_axial);
+  return dim == 2 ? r / (1.0 + r) : r;
+}
+
 }  // namespace
 
 template <int dim>
 PulledBlock pull_by_particle_solver(const Material& material, const Pull& pull) {
-  const double spacing = side / pull.layers;
-  auto particles = block<dim>(cube<dim>(pull.layers), spacing);
-  const auto rest = particles.position;
-  auto network =
-      network_of<dim>(particles, shape_of<dim>(cube<dim>(pull.layers), spacing), material);
-  const double wave_speed = std::sqrt(spring_stiffness / density);
+  return LoadedBlock<dim>(material, pull, density).come_to_rest();
+}
 
-  sph::Numerics numerics;
-  numerics.smoothing_length_ratio = pull.smoothing_length_ratio;
-  numerics.normalised_gradient = true;
-  numerics.position_update = sph::PositionUpdate::new_velocity;
-  // A wrong volume is corrected at the rate c/(2 dx), within a few steps.
-  numerics.density_feedback = 0.5;
-  numerics.pressure_tolerance = 1e-8;
-  numerics.pressure_solver = sph::PressureSolverKind::two_level;
-  numerics.bonds = material.bonds;
-  numerics.courant = 1.0;
-
-  auto springs = std::make_unique<sph::ElasticSolid<dim>>(std::move(network), particles,
-                                                          sph::SpringIntegration::explicit_force);
-  const double mass = particles.mass();
-  auto load = end_forces<dim>(pull, spacing);
-  for (auto& f : load) f /= mass;
-  // Half of critical for the slowest stretching mode, omega = pi c / L, c = sqrt(3 k_e/rho) or more
-  // slowly.
-  const double slowest = std::numbers::pi * wave_speed * std::sqrt(dim == 2 ? 2.0 : 3.0) / side;
-  const double damping = 1.5 * slowest;
-  sph::Simulation<dim> simulation(numerics, std::move(particles), sph::Images<dim>({}));
-  simulation.effects().limits.push_back(springs.get());
-  simulation.effects().body_forces.push_back(std::move(springs));
-  simulation.effects().body_forces.push_back(
-      std::make_unique<DampedLoad<dim>>(std::move(load), damping));
-  BalancedPressure<dim> balanced_pressure;
-  simulation.effects().constraints.push_back(&balanced_pressure);
-  simulation.stand_in_vacuum();
-  simulation.start(wave_speed, 0.0);
-
-  const int window = static_cast<int>(2.0 / (damping * simulation.time_step_limit().value)) + 1;
-  const auto& position = simulation.state().particles.position;
-  double before = 0.0;
-  for (int steps = 1; steps <= 200 * window; ++steps) {
-    sph::advance(simulation);
-    if (steps % window != 0) continue;
-    PulledBlock result = measure<dim>(rest, position, pull.layers);
-    if (!std::isfinite(result.strain_ends)) break;
-    if (std::abs(result.strain_ends - before) < pull.tolerance * std::abs(result.strain_ends)) {
-      result.steps = steps;
-      double fastest = 0.0;
-      for (const auto& u : simulation.state().particles.velocity)
-        fastest = std::max(fastest, u.norm());
-      result.unbalanced = fastest * damping * mass /
-                          (std::abs(pull.load) * spring_stiffness * std::pow(spacing, dim - 1));
-      return result;
-    }
-    before = result.strain_ends;
-  }
-  throw std::runtime_error(
-      fmt::format("tensile test, {}D, {} bonds, {} layers, load {}: not at rest after {} steps",
-                  dim, to_string(material.bonds), pull.layers, pull.load, 200 * window));
+template <int dim>
+HeldBlock hold_block(const Material& material, const Pull& pull, double seconds) {
+  LoadedBlock<dim> loaded(material, pull, 0.1 * spring_stiffness);
+  HeldBlock result;
+  const PulledBlock before = loaded.come_to_rest();
+  const double volume = loaded.volume();
+  loaded.hold(seconds);
+  const PulledBlock after = loaded.measured();
+  result.poisson_ratio_before = poisson_ratio<dim>(before);
+  result.poisson_ratio_after = poisson_ratio<dim>(after);
+  result.strain_before = before.core_axial;
+  result.strain_after = after.core_axial;
+  result.volume_drift = (loaded.volume() / volume - 1.0) / seconds;
+  result.seconds = seconds;
+  return result;
 }
 
 template <int dim>
@@ -193,10 +267,14 @@ PulledBlock pull_network(const Material& material, const Pull& pull) {
   const double spacing = side / pull.layers;
   auto particles = block<dim>(cube<dim>(pull.layers), spacing);
   const auto rest = particles.position;
-  const auto network =
-      network_of<dim>(particles, shape_of<dim>(cube<dim>(pull.layers), spacing), material);
-  const double unbalanced =
-      find_equilibrium<dim>(network, particles, end_forces<dim>(pull, spacing));
+  const auto network = network_of<dim>(particles, shape_of<dim>(cube<dim>(pull.layers), spacing),
+                                       material, pull.surface_correction);
+  double unbalanced = 0.0;
+  for (int step = 1; step <= pull.load_steps; ++step) {
+    Pull part = pull;
+    part.load *= static_cast<double>(step) / pull.load_steps;
+    unbalanced = find_equilibrium<dim>(network, particles, end_forces<dim>(part, spacing));
+  }
   PulledBlock result = measure<dim>(rest, particles.position, pull.layers);
   result.unbalanced = unbalanced;
   return result;
@@ -204,6 +282,8 @@ PulledBlock pull_network(const Material& material, const Pull& pull) {
 
 template PulledBlock pull_by_particle_solver<2>(const Material&, const Pull&);
 template PulledBlock pull_by_particle_solver<3>(const Material&, const Pull&);
+template HeldBlock hold_block<2>(const Material&, const Pull&, double);
+template HeldBlock hold_block<3>(const Material&, const Pull&, double);
 template PulledBlock pull_network<2>(const Material&, const Pull&);
 template PulledBlock pull_network<3>(const Material&, const Pull&);
 

@@ -56,8 +56,15 @@ void refuse_missing_effects(const Document& document, const Problem& problem) {
   for (const Solid& solid : problem.solids)
     if (is_oblique(solid))
       document.table("solid." + solid.name)
-          .refuse("body", "the finite element reference has only bodies along the axes; leave out "
-                          "angle_degrees, or use the particle solver");
+          .refuse("body",
+                  "the finite element reference has only bodies along the axes; leave out "
+                  "angle_degrees, or use the particle solver");
+  for (const Solid& solid : problem.solids)
+    if (solid.stiffening || solid.viscoelasticity || solid.fibre)
+      document.table("solid." + solid.name)
+          .refuse("",
+                  "the finite element reference has no stiffening, viscoelastic or fibre; "
+                  "remove that table, or use the particle solver");
   for (const CurvedWall& wall : problem.curved_walls)
     if (!wall.no_slip)
       document.table("curved_wall." + wall.name)

@@ -61,8 +61,8 @@ Point to_own(const Solid& solid, const Point& place) {
     // The angle nearest to the arc's middle, so that the cut of atan2 lies opposite to it.
     const double aim = 0.5 * (arc.from_angle + arc.to_angle);
     const double off = std::remainder(std::atan2(y, x) - aim, 2.0 * std::numbers::pi);
-    return {std::hypot(x, y) - arc.inner_radius,
-            middle_radius(arc) * (aim + off - arc.from_angle), place[2] - solid.body.from[2]};
+    return {std::hypot(x, y) - arc.inner_radius, middle_radius(arc) * (aim + off - arc.from_angle),
+            place[2] - solid.body.from[2]};
   }
   Point own = place;
   if (solid.angle != 0.0) {
@@ -93,8 +93,10 @@ bool is_oblique(const Solid& solid) {
 
 bool body_contains(const Solid& solid, const Point& place, double tolerance) {
   const Point own = to_own(solid, place), extent = own_extent(solid);
-  for (int d = 0; d < 3; ++d)
+  for (int d = 0; d < 3; ++d) {
+    if (extent[d] == 0.0) continue;  // a plane body has no third extent
     if (own[d] < -tolerance || own[d] > extent[d] + tolerance) return false;
+  }
   return true;
 }
 

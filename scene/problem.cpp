@@ -124,6 +124,7 @@ class ProblemReader {
   Solid read_solid(const Table& table, const std::string& name) const;
   void read_body(const Table& table, Solid& solid) const;
   bool overlap(const Solid& one, const Solid& other) const;
+  void read_laws(const Table& table, Solid& solid) const;
   void check_clamp(const Table& table, const Solid& solid) const;
   void read_probes();
   void read_probe(const Table& table, const std::string& name);
@@ -529,7 +530,34 @@ Solid ProblemReader::read_solid(const Table& table, const std::string& name) con
     solid.clamped = side_named(table.word("clamped", sides_of(problem_.dimension)));
     check_clamp(table, solid);
   }
+  read_laws(table, solid);
   return solid;
+}
+
+/// What a body's springs do beyond a linear force, each in a table of its own.
+void ProblemReader::read_laws(const Table& table, Solid& solid) const {
+  if (table.has("stiffening")) {
+    const Table law = table.table("stiffening");
+    solid.stiffening = {law.number("ratio"), law.number("toe_strain")};
+    if (!(solid.stiffening->ratio >= 1.0))
+      law.refuse("ratio", "the modulus beyond the toe over youngs_modulus, must be 1 or more");
+    if (!(solid.stiffening->toe_strain > 0.0 && solid.stiffening->toe_strain < 1.0))
+      law.refuse("toe_strain", "must lie between 0 and 1, such as 0.1");
+  }
+  if (table.has("viscoelastic")) {
+    const Table law = table.table("viscoelastic");
+    solid.viscoelasticity = {positive(law, "modulus", dimension::pressure),
+                             positive(law, "relaxation_time", dimension::time)};
+  }
+  if (table.has("fibre")) {
+    constexpr double degree = std::numbers::pi / 180.0;
+    const Table law = table.table("fibre");
+    Fibre fibre;
+    fibre.angle = degree * law.number("angle_degrees");
+    if (problem_.dimension == 3) fibre.elevation = degree * law.number("elevation_degrees");
+    fibre.modulus = positive(law, "modulus", dimension::pressure);
+    solid.fibre = fibre;
+  }
 }
 
 /// { from, to }, { from, to, angle_degrees }, or part of a ring.

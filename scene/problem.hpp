@@ -94,6 +94,25 @@ struct Arc {
   double from_angle = 0.0, to_angle = 0.0;        ///< rad
 };
 
+/// Springs that grow stiffer when stretched, as soft tissue does beyond its toe.
+struct StrainStiffening {
+  double ratio = 1.0;       ///< modulus beyond the toe over Young's modulus
+  double toe_strain = 0.0;  ///< strain at which it is reached
+};
+
+/// A Maxwell branch beside the springs.
+struct Viscoelasticity {
+  double modulus = 0.0;          ///< that a sudden strain adds to Young's modulus, Pa
+  double relaxation_time = 0.0;  ///< s
+};
+
+/// Fibres along one direction of the body's own axes at rest.
+struct Fibre {
+  double angle = 0.0;      ///< rad from the first axis towards the second
+  double elevation = 0.0;  ///< rad from their plane towards the third
+  double modulus = 0.0;    ///< added along the fibres, Pa
+};
+
 /// An elastic body, incompressible, with the fluid's density: a box, possibly turned about its
 /// middle, or part of a ring. body_shape.hpp has its own frame.
 struct Solid {
@@ -106,6 +125,9 @@ struct Solid {
   /// A side of the channel that the body touches; of a turned body or an arc, a side of the body
   /// in its own frame, which is held where it is.
   std::optional<Side> clamped;
+  std::optional<StrainStiffening> stiffening;
+  std::optional<Viscoelasticity> viscoelasticity;
+  std::optional<Fibre> fibre;
 };
 
 /// Displacement (m) of the material point that was at `point` at the start.

@@ -86,14 +86,20 @@ Facts facts_of(const Problem& problem) {
     facts.emplace_back(name + " body", text(solid.body));
     facts.emplace_back(name + " angle", text(solid.angle));
     if (solid.arc)
-      facts.emplace_back(name + " ring", fmt::format("centre ({}, {}), radii {} to {}, angles {} to {}",
-                                                     text(solid.arc->centre[0]),
-                                                     text(solid.arc->centre[1]),
-                                                     text(solid.arc->inner_radius),
-                                                     text(solid.arc->outer_radius),
-                                                     text(solid.arc->from_angle),
-                                                     text(solid.arc->to_angle)));
+      facts.emplace_back(name + " ring",
+                         fmt::format("centre ({}, {}), radii {} to {}, angles {} to {}",
+                                     text(solid.arc->centre[0]), text(solid.arc->centre[1]),
+                                     text(solid.arc->inner_radius), text(solid.arc->outer_radius),
+                                     text(solid.arc->from_angle), text(solid.arc->to_angle)));
     facts.emplace_back(name + " youngs_modulus", text(solid.youngs_modulus));
+    if (const auto& law = solid.stiffening)
+      facts.emplace_back(name + " stiffening", text(law->ratio) + ", " + text(law->toe_strain));
+    if (const auto& law = solid.viscoelasticity)
+      facts.emplace_back(name + " viscoelastic",
+                         text(law->modulus) + ", " + text(law->relaxation_time));
+    if (const auto& law = solid.fibre)
+      facts.emplace_back(name + " fibre", text(law->angle) + ", " + text(law->elevation) + ", " +
+                                              text(law->modulus));
     facts.emplace_back(name + " clamped", solid.clamped ? to_string(*solid.clamped) : "free");
   }
   add_probes(problem.probes, facts);

@@ -166,12 +166,37 @@ void add_bonds(ElasticNetwork<dim>& network, const BodyLattice<dim>& lattice, Bo
       double fitted = volume * places2 / (length * length * cubic);
       if (std::abs(fitted - 1.0) < 1e-9) fitted = 1.0;  // rounding of places on the cubic lattice
       network.bonds.push_back({i, j, length, k_e * cubic * shell.weight * fitted});
+      network.bulk_stiffness.push_back(network.bonds.back().stiffness);
     }
 }
 
+/// The place on the clamp below each ghost, as a fixed node of its own: a cell at the clamp ends
+/// there. With the ghosts as corners a section that narrows above the clamp would have to lengthen
+/// twice as much as the half cell does, and the body would turn in its clamp.
 template <int dim>
-void add_cells(ElasticNetwork<dim>& network, const BodyLattice<dim>& lattice, double modulus) {
+std::map<std::int32_t, std::int32_t> add_clamp_nodes(ElasticNetwork<dim>& network,
+                                                     const BodyLattice<dim>& lattice,
+                                                     const Solid& solid) {
+  std::map<std::int32_t, std::int32_t> below;
+  if (!solid.clamped) return below;
+  const auto [axis, outward] = axis_and_outward(*solid.clamped);
   const auto n = static_cast<std::int32_t>(network.movable);
+  for (const auto& [place, node] : lattice.node) {
+    if (node < n) continue;
+    Point own = to_own(solid, as_point<dim>(network.reference[node]));
+    own[axis] = outward < 0 ? 0.0 : own_extent(solid)[axis];
+    below[node] = static_cast<std::int32_t>(network.reference.size());
+    network.reference.push_back(as_vector<dim>(from_own(solid, own)));
+  }
+  return below;
+}
+
+template <int dim>
+void add_cells(ElasticNetwork<dim>& network, const BodyLattice<dim>& lattice, const Solid& solid,
+               double modulus) {
+  const auto n = static_cast<std::int32_t>(network.movable);
+  const auto on_clamp = modulus > 0.0 ? add_clamp_nodes(network, lattice, solid)
+                                      : std::map<std::int32_t, std::int32_t>();
   constexpr int corners = 1 << dim;
   for (const auto& [place, i] : lattice.node) {
     std::array<std::int32_t, corners> corner;
@@ -188,10 +213,11 @@ void add_cells(ElasticNetwork<dim>& network, const BodyLattice<dim>& lattice, do
     if (ghosts == 0) network.body_cells.push_back(corner);
     if (ghosts == corners || modulus == 0.0) continue;
     std::array<Vector<dim>, corners> at, gradient;
-    for (int c = 0; c < corners; ++c) at[c] = network.reference[corner[c]];
-    // Half of a cell at a clamp is material, and the same opening strains it twice as much.
-    network.cells.push_back(
-        {corner, cell_volume(at, gradient), ghosts > 0 ? 2.0 * modulus : modulus});
+    for (int c = 0; c < corners; ++c) {
+      if (corner[c] >= n) corner[c] = on_clamp.at(corner[c]);
+      at[c] = network.reference[corner[c]];
+    }
+    network.cells.push_back({corner, cell_volume(at, gradient), modulus});
   }
 }
 
@@ -220,7 +246,7 @@ void append_body(ElasticNetwork<dim>& network, const Particles<dim>& particles, 
   add_bonds(network, lattice, numerics.bonds, stiffness.k_e, particles.spacing);
   if (first_bond == network.bonds.size())
     throw std::invalid_argument("no springs: the body holds a single particle");
-  add_cells(network, lattice, numerics.area_stiffness * stiffness.shear_modulus);
+  add_cells(network, lattice, solid, numerics.area_stiffness * stiffness.shear_modulus);
   if (numerics.surface_correction) {
     if (dim == 3 && numerics.bonds != Bonds::isotropic)
       throw std::invalid_argument(
@@ -304,8 +330,7 @@ void elastic_forces(const ElasticNetwork<dim>& network, std::span<const Vector<d
     for (std::size_t c = 0; c < corner.size(); ++c) corner[c] = place(cell.corner[c]);
     const double volume = cell_volume(corner, gradient);
     const double pressure = -cell.modulus * (volume / cell.rest_volume - 1.0);
-    for (std::size_t c = 0; c < corner.size(); ++c)
-      force[cell.corner[c]] += pressure * gradient[c];
+    for (std::size_t c = 0; c < corner.size(); ++c) force[cell.corner[c]] += pressure * gradient[c];
   }
 }
 

@@ -48,6 +48,8 @@ struct ElasticNetwork {
   /// volume.
   std::vector<std::array<std::int32_t, 1 << dim>> body_cells;
   std::vector<BondTie> ties = {};
+  /// Of each bond, N/m (Pa in the plane): without surface correction.
+  std::vector<double> bulk_stiffness = {};
 };
 
 /// A body's particles on the body's own lattice. For a body along the axes that is the lattice of

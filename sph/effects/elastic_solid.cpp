@@ -117,10 +117,75 @@ void ElasticSolid<dim>::add_acceleration(const State<dim>& state,
   if (integration_ == SpringIntegration::implicit_force) {
     implicit_acceleration(state);
   } else {
-    elastic_forces(network_, solid_positions(network_, state.particles.position), force_);
+    find_forces(solid_positions(network_, state.particles.position));
     for (std::size_t i = 0; i < network_.movable; ++i) spring_acceleration_[i] = force_[i] / mass_;
   }
   for (std::size_t i = 0; i < network_.movable; ++i) acceleration[i] += spring_acceleration_[i];
+}
+
+namespace {
+
+template <int dim>
+std::vector<double> extensions(const ElasticNetwork<dim>& network,
+                               std::span<const Vector<dim>> position) {
+  const auto place = [&](std::int32_t node) -> const Vector<dim>& {
+    return static_cast<std::size_t>(node) < network.movable ? position[node]
+                                                            : network.reference[node];
+  };
+  std::vector<double> extension(network.bonds.size());
+  for (std::size_t k = 0; k < extension.size(); ++k) {
+    const Bond& bond = network.bonds[k];
+    extension[k] = (place(bond.a) - place(bond.b)).norm() - bond.rest_length;
+  }
+  return extension;
+}
+
+}  // namespace
+
+template <int dim>
+void ElasticSolid<dim>::add(std::unique_ptr<BondLaw> law) {
+  laws_.push_back(std::move(law));
+  ElasticNetwork<dim> steepest = network_;
+  for (std::size_t k = 0; k < steepest.bonds.size(); ++k)
+    for (const auto& each : laws_) steepest.bonds[k].stiffness += each->steepest(k);
+  highest_frequency_ = highest_frequency(steepest, mass_);
+}
+
+template <int dim>
+void ElasticSolid<dim>::find_forces(std::span<const Vector<dim>> position) {
+  elastic_forces(network_, position, force_);
+  bond_tensions(network_, position, tension_);
+  if (laws_.empty()) return;
+  const auto extension = extensions(network_, position);
+  std::vector<double> more(network_.bonds.size(), 0.0);
+  slope_.assign(network_.bonds.size(), 0.0);
+  for (const auto& law : laws_) law->add_tension(extension, more, slope_);
+  const auto place = [&](std::int32_t node) -> const Vector<dim>& {
+    return static_cast<std::size_t>(node) < network_.movable ? position[node]
+                                                             : network_.reference[node];
+  };
+  for (std::size_t k = 0; k < more.size(); ++k) {
+    if (more[k] == 0.0) continue;
+    const Bond& bond = network_.bonds[k];
+    const Vector<dim> f = -more[k] * (place(bond.a) - place(bond.b)).normalized();
+    force_[bond.a] += f;
+    force_[bond.b] -= f;
+    tension_[k] += more[k];
+  }
+}
+
+/// The bonds' laws learn where the step leads: solids move with the new velocity and nothing else.
+template <int dim>
+void ElasticSolid<dim>::advance_laws(const State<dim>& state) {
+  if (laws_.empty()) return;
+  const auto& particles = state.particles;
+  const double dt = state.clock.time_step;
+  std::vector<Vector<dim>> next(network_.movable);
+  for (std::size_t i = 0; i < next.size(); ++i)
+    next[i] = particles.position[i] + dt * particles.velocity[i];
+  const auto before = extensions(network_, solid_positions(network_, particles.position));
+  const auto now = extensions<dim>(network_, next);
+  for (const auto& law : laws_) law->advance(before, now, dt);
 }
 
 template <int dim>
@@ -147,7 +212,6 @@ void ElasticSolid<dim>::assemble_tangent(std::span<const Vector<dim>> position) 
     add(first.a, second.b, -block);
     add(first.b, second.a, -block);
   };
-  bond_tensions(network_, position, tension_);
   std::vector<Vector<dim>> direction(network_.bonds.size());
   for (std::size_t k = 0; k < network_.bonds.size(); ++k) {
     const Bond& bond = network_.bonds[k];
@@ -159,8 +223,8 @@ void ElasticSolid<dim>::assemble_tangent(std::span<const Vector<dim>> position) 
     // and F, which decides the motion, is exact.
     const double transverse = std::max(0.0, tension_[k] / length);
     const Block<dim> along = e * e.transpose();
-    add_symmetric(bond, bond,
-                  bond.stiffness * along + transverse * (Block<dim>::Identity() - along));
+    const double stiffness = bond.stiffness + (slope_.empty() ? 0.0 : slope_[k]);
+    add_symmetric(bond, bond, stiffness * along + transverse * (Block<dim>::Identity() - along));
   }
   for (const BondTie& tie : network_.ties) {
     const Bond &first = network_.bonds[tie.first], &second = network_.bonds[tie.second];
@@ -187,7 +251,7 @@ void ElasticSolid<dim>::implicit_acceleration(const State<dim>& state) {
   const auto& particles = state.particles;
   const std::size_t n = network_.movable;
   const auto position = solid_positions(network_, particles.position);
-  elastic_forces(network_, position, force_);
+  find_forces(position);
   assemble_tangent(position);
   const double dt = state.clock.time_step;
   system_ = implicit_weight * dt * dt * tangent_;
@@ -239,11 +303,17 @@ void ElasticSolid<dim>::constrain(State<dim>& state, const std::vector<Vector<di
   for (std::size_t i = 0; i < n; ++i)
     particles.velocity[i] =
         old_velocity[i] + dt * (spring_acceleration_[i] + a.template segment<dim>(i * dim));
+  advance_laws(state);
 }
 
 template <int dim>
 double ElasticSolid<dim>::energy(const Particles<dim>& particles) const {
-  return elastic_energy(network_, solid_positions(network_, particles.position));
+  const auto position = solid_positions(network_, particles.position);
+  double energy = elastic_energy(network_, position);
+  if (laws_.empty()) return energy;
+  const auto extension = extensions(network_, position);
+  for (const auto& law : laws_) energy += law->energy(extension);
+  return energy;
 }
 
 template class ElasticSolid<2>;

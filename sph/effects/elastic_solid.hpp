@@ -1,6 +1,7 @@
 #pragma once
 /// Elastic bodies: the springs of Eq. 5 as an acceleration of the solid particles (ACTION 4).
 
+#include "sph/effects/bond_law.hpp"
 #include "sph/effects/elastic_network.hpp"
 #include "sph/effects/roles.hpp"
 
@@ -40,12 +41,20 @@ class ElasticSolid final : public Acceleration<dim>,
   }
   std::string limit_name() const override { return "springs, 0.8 x 2/omega_max"; }
 
+  /// Bonds of a body do something beside their linear spring. Before the first step; explicit
+  /// springs take shorter steps for it.
+  void add(std::unique_ptr<BondLaw> law);
+
   const ElasticNetwork<dim>& network() const { return network_; }
   /// Acceleration that all but the springs gave in the last step, m/s2, one per solid.
   std::vector<Vector<dim>> load(const State<dim>& state) const;
   double energy(const Particles<dim>& particles) const;
 
  private:
+  /// Forces of the network and of the bonds' laws on the nodes, into force_; tension_ and slope_
+  /// go along.
+  void find_forces(std::span<const Vector<dim>> position);
+  void advance_laws(const State<dim>& state);
   void assemble_tangent(std::span<const Vector<dim>> position);
   void implicit_acceleration(const State<dim>& state);
 
@@ -57,6 +66,8 @@ class ElasticSolid final : public Acceleration<dim>,
   std::vector<Vector<dim>> spring_acceleration_;
   std::vector<Vector<dim>> load_;
   std::vector<double> tension_;
+  std::vector<std::unique_ptr<BondLaw>> laws_;
+  std::vector<double> slope_;  ///< that the laws add to the bonds' own; empty without laws
   Eigen::SparseMatrix<double> tangent_;  ///< lower triangle of K
   Eigen::SparseMatrix<double> system_;   ///< lower triangle of M + g dt^2 K
   /// In space the factors are dense enough for CHOLMOD's supernodes to be several times faster.

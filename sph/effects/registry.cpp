@@ -1,9 +1,12 @@
 #include "sph/effects/registry.hpp"
 
+#include "sph/effects/fibre.hpp"
 #include "sph/effects/gravity.hpp"
 #include "sph/effects/moving_walls.hpp"
 #include "sph/effects/printed_integrator.hpp"
 #include "sph/effects/shifting.hpp"
+#include "sph/effects/stiffening.hpp"
+#include "sph/effects/viscoelastic.hpp"
 #include "sph/effects/viscosity.hpp"
 
 #include <fmt/format.h>
@@ -59,6 +62,89 @@ bool add_moving_walls(ParticleScene<dim>& scene, const ModulusTable&) {
   return true;
 }
 
+/// Bonds of one body: appended in one go.
+struct BondRange {
+  std::size_t first, last;
+};
+
+template <int dim>
+void note_law(ParticleScene<dim>& scene, const char* law, const Solid& solid,
+              const std::string& numbers) {
+  scene.effects.push_back(fmt::format("{}: [solid.{}.{}], {}", law, solid.name, law, numbers));
+}
+
+template <int dim>
+BondRange bonds_of_body(const ParticleScene<dim>& scene, std::size_t body) {
+  const auto& network = scene.solid->network();
+  const auto first = static_cast<std::int32_t>(scene.bodies[body].first);
+  const auto last = static_cast<std::int32_t>(scene.bodies[body].last);
+  const auto own = [&](const Bond& bond) {
+    const std::int32_t node = std::min(bond.a, bond.b);  // ghosts have the larger numbers
+    return node >= first && node < last;
+  };
+  const auto begin = std::find_if(network.bonds.begin(), network.bonds.end(), own);
+  const auto end = std::find_if_not(begin, network.bonds.end(), own);
+  return {static_cast<std::size_t>(begin - network.bonds.begin()),
+          static_cast<std::size_t>(end - network.bonds.begin())};
+}
+
+template <int dim>
+std::vector<double> bulk_stiffness(const ParticleScene<dim>& scene, const BondRange& range) {
+  const auto& all = scene.solid->network().bulk_stiffness;
+  return {all.begin() + static_cast<std::ptrdiff_t>(range.first),
+          all.begin() + static_cast<std::ptrdiff_t>(range.last)};
+}
+
+template <int dim>
+bool add_stiffening(ParticleScene<dim>& scene, const ModulusTable&) {
+  bool any = false;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const Solid& solid = scene.problem.solids[b];
+    if (!solid.stiffening) continue;
+    const BondRange range = bonds_of_body(scene, b);
+    std::vector<double> rest;
+    for (std::size_t k = range.first; k < range.last; ++k)
+      rest.push_back(scene.solid->network().bonds[k].rest_length);
+    scene.solid->add(std::make_unique<Stiffening>(range.first, bulk_stiffness(scene, range),
+                                                  std::move(rest), *solid.stiffening));
+    note_law(scene, "stiffening", solid,
+             fmt::format("{} x the modulus beyond a strain of {}", solid.stiffening->ratio,
+                         solid.stiffening->toe_strain));
+    any = true;
+  }
+  return any;
+}
+
+template <int dim>
+bool add_viscoelastic(ParticleScene<dim>& scene, const ModulusTable&) {
+  bool any = false;
+  auto& simulation = *scene.simulation;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const Solid& solid = scene.problem.solids[b];
+    if (!solid.viscoelasticity) continue;
+    if (simulation.numerics().spring_integration != SpringIntegration::implicit_force)
+      throw SceneError(
+          fmt::format("[solid.{}.viscoelastic] needs numerics.spring_integration = "
+                      "\"implicit\"",
+                      solid.name));
+    const BondRange range = bonds_of_body(scene, b);
+    std::vector<std::int32_t> owner;
+    for (std::size_t k = range.first; k < range.last; ++k) {
+      const Bond& bond = scene.solid->network().bonds[k];
+      owner.push_back(std::min(bond.a, bond.b));
+    }
+    const auto& law = *solid.viscoelasticity;
+    scene.solid->add(std::make_unique<Viscoelastic<dim>>(
+        range.first, bulk_stiffness(scene, range), std::move(owner),
+        law.modulus / solid.youngs_modulus, law.relaxation_time, simulation.state().particles,
+        solid.name));
+    note_law(scene, "viscoelastic", solid,
+             fmt::format("{:.4g} Pa, relaxing in {:.4g} s", law.modulus, law.relaxation_time));
+    any = true;
+  }
+  return any;
+}
+
 template <int dim>
 bool add_springs(ParticleScene<dim>& scene, const ModulusTable& table) {
   if (scene.problem.solids.empty()) return false;
@@ -76,6 +162,10 @@ bool add_springs(ParticleScene<dim>& scene, const ModulusTable& table) {
         "springs: [solid.{}], {} particles, E = {:.4g} Pa, lambda = {:.4f}, k_e = {:.4g} Pa",
         solid.name, scene.bodies[b].last - scene.bodies[b].first, solid.youngs_modulus, lambda,
         k_e));
+    if (solid.fibre) {
+      add_fibres(network, particles, scene.bodies[b].first, scene.bodies[b].last, solid);
+      note_law(scene, "fibre", solid, fmt::format("{:.4g} Pa", solid.fibre->modulus));
+    }
   }
   auto effect = std::make_unique<ElasticSolid<dim>>(std::move(network), particles,
                                                     numerics.spring_integration);
@@ -161,6 +251,8 @@ void add_effects(ParticleScene<dim>& scene, const ModulusTable& table) {
       {"gravity", add_gravity<dim>, "a table [gravity]"},
       {"moving walls", add_moving_walls<dim>, "a table [wall_motion.<side>]"},
       {"springs", add_springs<dim>, "a table [solid.<name>]"},
+      {"strain stiffening", add_stiffening<dim>, "a table [solid.<name>.stiffening]"},
+      {"viscoelastic springs", add_viscoelastic<dim>, "a table [solid.<name>.viscoelastic]"},
       {"limit of the printed integrator", add_printed_integrator<dim>,
        "numerics.position_update = \"mean_velocity\" with explicit springs"},
       {"shifting", add_shifting<dim>, "numerics.shifting"},

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace sprung::sph {
 namespace {
@@ -94,6 +95,34 @@ TEST(ImplicitSprings, DampingRatioAndItsLimit) {
   Oscillator stiff(SpringIntegration::implicit_force);
   const auto fast = trace_and_determinant(four_steps(stiff, 1e4 / stiff.frequency, true));
   EXPECT_NEAR(std::sqrt(fast.second), std::sqrt(1.0 - a / g), 1e-6);
+}
+
+// The energy lost in one period is 1 - (1 - a Z)^(2 pi/theta), cos(theta) = (1 - (1 + a)
+// Z/2)/sqrt(1
+// - a Z): about 2 pi a z. Measured from the heights of successive crests.
+TEST(ImplicitSprings, EnergyLostInAPeriodGrowsWithTheStep) {
+  for (const double z : {0.02, 0.05, 0.1, 0.2}) {
+    Oscillator oscillator(SpringIntegration::implicit_force);
+    const std::vector<Vector<2>> none(1, Vector<2>::Zero());
+    oscillator.state.particles.position[0][0] += 0.01;
+    std::vector<double> crests;
+    std::array<double, 3> x{0.0, 0.0, oscillator.displacement()};
+    while (crests.size() < 3) {
+      step(oscillator.solid, oscillator.state, z / oscillator.frequency, none, true);
+      x = {x[1], x[2], oscillator.displacement()};
+      if (x[0] == 0.0 || x[1] <= x[0] || x[1] < x[2]) continue;
+      const double slope = 0.5 * (x[2] - x[0]), curvature = x[0] - 2.0 * x[1] + x[2];
+      crests.push_back(x[1] - 0.5 * slope * slope / curvature);  // of the parabola through them
+    }
+    const double filtered = z * z / (1.0 + g * z * z);
+    const double determinant = 1.0 - a * filtered;
+    const double theta = std::acos((1.0 - 0.5 * (1.0 + a) * filtered) / std::sqrt(determinant));
+    const double kept = std::pow(determinant, 2.0 * std::numbers::pi / theta);
+    const double measured = crests[2] * crests[2] / (crests[1] * crests[1]);
+    // A crest lies up to half a step beside the middle of three places: z^4/100 of its height.
+    EXPECT_NEAR(1.0 - measured, 1.0 - kept, 0.05 * std::pow(z, 4) + 1e-9) << z;
+    EXPECT_NEAR((1.0 - kept) / (2.0 * std::numbers::pi * a * z), 1.0, 0.6 * z) << z;
+  }
 }
 
 TEST(ImplicitSprings, CarryALastingLoadExactlyWhateverTheStep) {
