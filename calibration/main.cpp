@@ -334,7 +334,7 @@ int main(int argc, char** argv) {
       "  sprung-calibrate sweep                    the paper's cube, ten spring stiffnesses\n"
       "  sprung-calibrate directions               lambda against the direction of the load\n"
       "  sprung-calibrate bending                  plates of 2 to 12 layers (some minutes)\n"
-      "  sprung-calibrate stress-strain            stretches to 30 %, shear (seconds)\n"
+      "  sprung-calibrate stress-strain            stretches to 30 %, shear (minutes)\n"
       "  sprung-calibrate hold                     blocks held under load for 10 s (minutes)\n"
       "  sprung-calibrate --out results/calibration  leave the published table alone\n\n"
       "Exit codes: 0 done; 1 a test did not come to rest or a file cannot be written; 2 the "

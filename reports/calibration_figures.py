@@ -228,6 +228,35 @@ def shapes(rows: list[dict]):
     return figure
 
 
+# ---------------------------------------------------------------------------- large strains
+
+
+def stress_strain(rows: list[dict]):
+    figure, (left, right) = plt.subplots(1, 2, figsize=(style.WIDTH, 3.9), layout="constrained")
+    names = {"uniaxial": "uniaxial", "equibiaxial": "equibiaxial", "pure_shear": "pure shear",
+             "simple_shear": "simple shear"}
+    colours = (style.RUNS["recommended"], style.RUNS["paper"], *style.FURTHER)
+    for (key, name), colour in zip(names.items(), colours):
+        chosen = where(rows, dimension=3, deformation=key)
+        strain = column(chosen, "stretch") - (0.0 if key == "simple_shear" else 1.0)
+        lattice, solid = column(chosen, "lattice_over_g"), column(chosen, "neo_hookean_over_g")
+        left.plot(100 * strain, lattice, "-", color=colour, label=f"{name}: springs")
+        left.plot(100 * strain, solid, ":", color=colour, lw=1.3)
+        at_rest = np.abs(solid) < 1e-9
+        right.plot(100 * strain[~at_rest], (lattice / np.where(at_rest, 1, solid))[~at_rest], "-", color=colour,
+                   label=name)
+    pulled = [row for row in where(rows, dimension=3, deformation="uniaxial") if row["cube_over_g"] != ""]
+    left.plot(100 * (column(pulled, "stretch") - 1), column(pulled, "cube_over_g"), "o", color="black", ms=3.5,
+              mfc="none", label="uniaxial: cube through the network")
+    left.plot([], [], ":", color="grey", label="neo-Hookean")
+    left.set(xlabel="strain or shear [%]", title="nominal stress / G, isotropic bonds in space", ylim=(-4, 4))
+    right.axhline(1.0, color="grey", lw=0.8)
+    right.set(xlabel="strain or shear [%]", title="springs / neo-Hookean", ylim=(0.7, 1.6))
+    for axes in (left, right):
+        axes.legend(fontsize=7)
+    return figure
+
+
 def main() -> None:
     root = Path(__file__).resolve().parent.parent
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -244,6 +273,8 @@ def main() -> None:
         "bending_by_layers": bending(read(tables / "bending.csv")),
         "bending_by_shape": shapes(read(tables / "bending.csv")),
     }
+    if (tables / "stress_strain.csv").is_file():  # not published yet
+        figures["stress_strain"] = stress_strain(read(tables / "stress_strain.csv"))
     out.mkdir(parents=True, exist_ok=True)
     for name, figure in figures.items():
         figure.savefig(out / f"{name}.png")
