@@ -251,8 +251,19 @@ void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
   }
 }
 
-/// L_i with L_i sum_j V F_ij (x_j - x_i)(x_i - x_j)^T = 1 (Bonet & Lok 1999, Eq. 45). Where
-/// neighbours lie too much on one side (a free surface) it stays 1.
+/// With the moment M_i = -sum_j V F_ij (x_i - x_j)(x_i - x_j)^T, which is 1 on an even
+/// distribution:
+///
+/// L_i = M_i^-1 makes gradients of linear fields exact (Bonet & Lok 1999, Eq. 45).
+///
+/// A_i = (1 + s |M - T|^2 / dim) / T - s (M - T) with T = tr M / dim, s = (dim + 2) / (2 T^2) makes
+/// the viscous sum exact for r^2 and, to first order in the unevenness, for any quadratic field:
+/// the sum of V |F| r . A r is tr (A M) = dim. A factor a + e . D e on pairs of direction e, D
+/// traceless, adds (2/(dim + 2)) D to an isotropic M: the mean of e_k^4 less that of e_k^2 e_l^2 is
+/// 2/(dim (dim + 2)), over the mean 1/dim of e_k^2. Rows that slide past each other need this:
+/// their sums of x^2 and y^2 differ by a few per cent.
+///
+/// Where neighbours lie too much on one side (a free surface) both stay 1.
 template <int dim>
 void Simulation<dim>::correct_gradients() {
   if (!numerics_.gradient_correction) return;
@@ -261,7 +272,7 @@ void Simulation<dim>::correct_gradients() {
   const auto& points = state_.images.points();
   state_.gradient_correction.resize(particles.unknowns);
   // Prescribed particles have none of their own.
-  state_.laplacian_factor.assign(particles.size(), 1.0);
+  state_.laplacian_correction.assign(particles.size(), Matrix::Identity());
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < particles.unknowns; ++i) {
     const auto near = state_.support.of(i);
@@ -271,10 +282,17 @@ void Simulation<dim>::correct_gradients() {
       moment -= (particles.volume * near.gradient_factor[k]) * r * r.transpose();
     }
     constexpr double least_determinant = 0.2;  // of the whole lattice's 1
-    state_.gradient_correction[i] =
-        moment.determinant() > least_determinant ? Matrix(moment.inverse()) : Matrix::Identity();
-    state_.laplacian_factor[i] =
-        moment.determinant() > least_determinant ? dim / moment.trace() : 1.0;
+    if (moment.determinant() <= least_determinant) {
+      state_.gradient_correction[i] = Matrix::Identity();
+      continue;
+    }
+    state_.gradient_correction[i] = moment.inverse();
+    const double mean = moment.trace() / dim;
+    const Matrix uneven = moment - mean * Matrix::Identity();
+    const double strength = 0.5 * (dim + 2) / (mean * mean);
+    state_.laplacian_correction[i] =
+        (1.0 + strength * uneven.squaredNorm() / dim) / mean * Matrix::Identity() -
+        strength * uneven;
   }
 }
 

@@ -30,9 +30,9 @@ struct State {
   Vector<dim> balanced_acceleration = Vector<dim>::Zero();
   /// L_i, to be applied to a particle's sums over V F r; empty without gradient correction.
   std::vector<Eigen::Matrix<double, dim, dim>> gradient_correction;
-  /// 1 / T_i with T_i = sum_j V |F_ij| r^2 / dim, which is 1 where the sum over F is a Laplacian of
-  /// the right size; empty without gradient correction.
-  std::vector<double> laplacian_factor;
+  /// A_i: a pair's term of the viscous sum counts e . (A_i + A_j)/2 e, e along the pair; empty
+  /// without gradient correction. See Simulation::correct_gradients.
+  std::vector<Eigen::Matrix<double, dim, dim>> laplacian_correction;
   /// p in Pa of particle i.
   double pressure(std::size_t i) const {
     return particles.density *

@@ -31,7 +31,7 @@ void ViscosityEffect<dim>::add_acceleration(const State<dim>& state,
     const auto neighbours = state.support.of(i);
     const Vector<dim> u_i = extended_velocity_[i];
     Vector<dim> sum = Vector<dim>::Zero();
-    if (state.laplacian_factor.empty())
+    if (state.laplacian_correction.empty())
       for (std::size_t k = 0; k < neighbours.index.size(); ++k)
         sum += neighbours.gradient_factor[k] * (u_i - extended_velocity_[neighbours.index[k]]);
     else
@@ -43,18 +43,21 @@ void ViscosityEffect<dim>::add_acceleration(const State<dim>& state,
   }
 }
 
-/// Each pair's term over the mean of both particles' T: symmetric, so momentum is kept, and of the
-/// right size on any distribution.
+/// Each pair's term times e . (A_i + A_j)/2 e: symmetric, so momentum is kept, and of the right
+/// size on any distribution.
 template <int dim>
 Vector<dim> ViscosityEffect<dim>::corrected_sum(
     const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
-  const auto& factor = state.laplacian_factor;
+  const auto& points = state.images.points();
+  const auto& correction = state.laplacian_correction;
   const Vector<dim> u_i = extended_velocity_[i];
   Vector<dim> sum = Vector<dim>::Zero();
   for (std::size_t k = 0; k < near.index.size(); ++k) {
     const std::int32_t j = near.index[k];
-    const double mean = 0.5 * (factor[i] + factor[state.images.source(j)]);
-    sum += mean * near.gradient_factor[k] * (u_i - extended_velocity_[j]);
+    const Vector<dim> r = points[i] - points[j];
+    const double factor =
+        0.5 * r.dot((correction[i] + correction[state.images.source(j)]) * r) / r.squaredNorm();
+    sum += factor * near.gradient_factor[k] * (u_i - extended_velocity_[j]);
   }
   return sum;
 }
