@@ -44,7 +44,8 @@ void declare(CLI::App& app, Arguments& a) {
       "--follows", a.block.follows,
       "stresses are per deformed area and stay normal, as a fluid's pressure; else nominal");
   app.add_flag("--glued", a.block.glued, "both faces across x are glued to rigid plates");
-  app.add_option("--shear", a.block.shear, "simple shear u_x = shear y, prescribed on the faces across x and y");
+  app.add_option("--shear", a.block.shear,
+                 "simple shear u_x = shear y, prescribed on the faces across x and y");
   app.add_option("--increments", a.block.increments, "load increments, each a row of the table")
       ->capture_default_str();
   app.add_option("--out", a.out, "CSV file; its manifest gets the same name with .json")

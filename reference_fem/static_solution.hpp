@@ -15,9 +15,9 @@ struct StaticSolution {
   double last_change = 0.0;  ///< m, largest entry of the last correction
 };
 
-/// Displacement and pressure under `load`, reached in `increments` equal parts, Newton's method to
-/// a correction below `tolerance` times the largest displacement. Throws std::runtime_error if it
-/// does not converge, InvertedCell if a cell turns inside out.
+/// Displacement and pressure under `load`, reached in `increments` equal parts, Newton's method
+/// with line search to a correction below `tolerance` times the largest displacement. Throws
+/// std::runtime_error if it does not converge, InvertedCell if a cell turns inside out.
 StaticSolution solve_static(FluidStructure& system, const std::vector<double>& load,
                             int increments = 1, double tolerance = 1e-10);
 

@@ -117,6 +117,28 @@ TEST_F(Run, KeepsItsBalances) {
   EXPECT_GT(record.series("force").column("force_x").back(), 1.0);
 }
 
+TEST_F(Run, SaysWhereAndWhenACellTurnsInsideOut) {
+  // A beam of jelly in a full stream: it is laid flat, and the mesh cannot follow.
+  Document document = Document::from_text(text_with("0 s"), "scene",
+                                          {"solid.beam.youngs_modulus=0.1 kPa", "time.end=2 s"});
+  const Problem problem = read_problem(document);
+  const Settings settings = read_settings(document, problem);
+  RunOptions options;
+  options.out = folder_ / "run";
+  try {
+    run(document, problem, settings, options);
+    FAIL() << "the run finished";
+  } catch (const RunStopped& stopped) {
+    const std::string what = stopped.what();
+    EXPECT_NE(what.find("stopped after t = "), std::string::npos) << what;
+    EXPECT_NE(what.find("turned inside out near x = "), std::string::npos) << what;
+    EXPECT_NE(what.find("reference_fem.mesh_stiffening"), std::string::npos) << what;
+  }
+  // The record is whole up to there, and says the same.
+  const RecordReader record(folder_ / "run");
+  EXPECT_GT(record.series("tip").column("time").size(), 2U);
+}
+
 TEST(Extrapolation, FindsLimitAndOrderOfAPower) {
   // f(h) = 3 + 0.5 h^2 at h = 0.4, 0.2, 0.1.
   const Extrapolation e = extrapolate(3.08, 3.02, 3.005, 3.0);

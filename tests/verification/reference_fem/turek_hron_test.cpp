@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -23,8 +24,10 @@ struct Result {
 };
 
 /// Marches a scene to its steady state with strongly damped steps.
-Result steady(const std::string& name, int splittings) {
-  const double cell = 33.4 / (1 << splittings);
+/// `level` halves the cells that often; below 0 it doubles them.
+Result steady(const std::string& name, int level) {
+  const double cell = 33.4 * std::pow(2.0, -level);
+  const int splittings = std::max(0, level);
   Document document(SPRUNG_TUREK_HRON + ("/" + name + ".toml"),
                     {"reference_fem.cell_size=" + std::to_string(cell) + " mm",
                      "reference_fem.splittings=" + std::to_string(splittings),
@@ -91,7 +94,7 @@ TEST(TurekHron, CSM2) {
 }
 
 TEST(TurekHron, FSI1) {
-  const Result r[3] = {steady("fsi1", 0), steady("fsi1", 1), steady("fsi1", 2)};
+  const Result r[3] = {steady("fsi1", -1), steady("fsi1", 0), steady("fsi1", 1)};
   judge("ux", 0.0227e-3, r[0].tip[0], r[1].tip[0], r[2].tip[0]);
   judge("uy", 0.8209e-3, r[0].tip[1], r[1].tip[1], r[2].tip[1]);
   judge("drag", 14.295, r[0].force[0], r[1].force[0], r[2].force[0]);
