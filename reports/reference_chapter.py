@@ -322,7 +322,7 @@ def draw_cost():
     axes.set_yticks(range(len(cost)), [f"{r['variant']}: {float(r['processor_seconds']):.2g} s" for r in cost])
     axes.invert_yaxis()
     axes.set(xlabel="part of the processor time [%]", title="Beam in a channel: where the time goes")
-    axes.legend(ncols=6, fontsize=7, loc="upper center", bbox_to_anchor=(0.4, -0.35))
+    axes.legend(ncols=6, fontsize=7, loc="upper center", bbox_to_anchor=(0.4, -0.22))
     return figure
 
 

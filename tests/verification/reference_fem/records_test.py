@@ -15,9 +15,16 @@ sys.path.insert(0, str(ROOT / "reports"))
 import reference_chapter as chapter  # noqa: E402
 
 # (case, quantity, what): cause. See reference_fem/README.md, "What falls short".
-FINER = "on the finer mesh it moves away from the values of 2006, with the energy accounted for to 0.01 %"
+FINER = "on the finer mesh it moves away from the values of 2006, with the energy accounted for to 0.02 %"
 HALF = "published 5.3 Hz for the transverse and 10.9 Hz for the longitudinal motion, which is twice as fast"
+DIGITS = "published to two digits; 2.0 Hz is not half of 3.8 Hz"
 MISSES = {
+    ("fsi2", "ux", "mean"): FINER,
+    ("fsi2", "ux", "amplitude"): FINER,
+    ("fsi2", "uy", "frequency"): DIGITS,
+    ("fsi2", "drag", "mean"): FINER,
+    ("fsi2", "drag", "amplitude"): FINER,
+    ("fsi2", "lift", "frequency"): DIGITS,
     ("fsi3", "ux", "mean"): FINER,
     ("fsi3", "ux", "amplitude"): FINER,
     ("fsi3", "uy", "frequency"): HALF,
