@@ -50,7 +50,8 @@ def draw_errors(axes, series: dict) -> None:
 
 def draw_curves(axes, series: dict) -> None:
     """Exact as lines, found as marks, of the first check with curves."""
-    drawn = [(name, check) for name, check in series["checks"].items() if check["curves"]]
+    drawn = [(name, check) for name, check in series["checks"].items()
+             if any(len(curve["axis"]) > 2 for curve in check["curves"])]
     if not drawn:
         axes.set_axis_off()
         return
