@@ -90,7 +90,6 @@ pressure_tolerance = {}
 }
 
 void measure(int n, int steps, double tolerance, const std::string& table_file) {
-  const double bandwidth = stream_bandwidth();
   Document document = Document::from_text(cube(n, tolerance));
   const sph::ModulusTable table(table_file);
   auto scene = sph::set_up<3>(document, table);
@@ -115,8 +114,8 @@ void measure(int n, int steps, double tolerance, const std::string& table_file) 
   double least = 0.0;
   for (const double b : bytes) least += b;
   rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  // The three arrays of the triad are gone by now but still in the peak where it is smaller.
+  getrusage(RUSAGE_SELF, &usage);  // before the triad's arrays
+  const double bandwidth = stream_bandwidth();
   fmt::print(
       "particles {:.0f}, threads {}, neighbours {:.1f}, iterations {:.0f}, triad {:.2f} GB/s\n",
       particles, omp_get_max_threads(), pairs, median(iterations), 1e-9 * bandwidth);
