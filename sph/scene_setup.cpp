@@ -314,6 +314,11 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
   const double reach = 2.0 * numerics.smoothing_length_ratio * spacing;
   auto shaped = shaped_walls<dim>(document, problem, reach);
   auto particles = fill_lattice<dim>(problem, spacing, sph, shaped, scene.bodies);
+  if (!shaped.empty() && particles.unknowns == particles.solids)
+    document.table("curved_wall." + problem.curved_walls[0].name)
+        .refuse("",
+                "leaves no room for fluid in the channel; check its place and size, and whether "
+                "the fluid is inside or outside");
   const double start_speed = start_velocity(problem, document, particles);
   const double scale =
       sph.quantity_or("velocity_scale", dimension::velocity,

@@ -102,6 +102,9 @@ void Simulation<dim>::start(double velocity_scale, double fixed_time_step) {
   sort_by_role(particles, std::vector<bool>(particles.size(), false),
                state_.kernel.support_radius());
   prescribe();
+  // The first guess of the pressure equation; later ones are the step's before.
+  const double level = mean_prescribed_pressure();
+  for (std::size_t i = 0; i < particles.unknowns; ++i) particles.pseudo_pressure[i] = level;
   build_support();
   rest_partition_ = state_.support.partition();
 }
@@ -341,12 +344,30 @@ void Simulation<dim>::add_density_feedback() {
   for (std::size_t i = first; i < n; ++i) source_[i] += rate * (aim / partition[i] - 1.0);
 }
 
+/// The equation is solved for the difference from this: its tolerance is a part of the right side,
+/// which the level of the prescribed pressures must not enter.
+template <int dim>
+double Simulation<dim>::mean_prescribed_pressure() const {
+  const auto& particles = state_.particles;
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = particles.unknowns; i < particles.size(); ++i)
+    if (particles.role[i] == Role::outflow) {
+      sum += particles.pseudo_pressure[i];
+      ++count;
+    }
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
 template <int dim>
 void Simulation<dim>::solve_pressure() {
   auto& particles = state_.particles;
   const std::size_t n = particles.unknowns;
+  double shift = 0.0;
   {
     const Stopwatch watch(seconds_[std::size_t(Action::pressure_assembly)]);
+    shift = mean_prescribed_pressure();
+    for (double& psi : particles.pseudo_pressure) psi -= shift;
     matrix_.assemble(particles, state_.images, state_.support, state_.kernel, pressure_planes_,
                      vacuum_ ? full_weight_ : 0.0);
     divergence(particles.predicted_velocity, source_);
@@ -379,6 +400,7 @@ void Simulation<dim>::solve_pressure() {
     throw std::runtime_error("the pressure equation did not converge: relative residual " +
                              std::to_string(pressure_report_.relative_residual) + " after " +
                              std::to_string(pressure_report_.iterations) + " iterations");
+  for (double& psi : particles.pseudo_pressure) psi += shift;
   if (!matrix_.singular()) return;
   // Known up to a constant: the one of zero mean.
   double mean = 0.0;

@@ -109,6 +109,7 @@ class Simulation {
   void map_cells();
   double particles_inside() const;
   void add_density_feedback();
+  double mean_prescribed_pressure() const;
 
   Numerics numerics_;
   State<dim> state_;

@@ -158,8 +158,11 @@ void PressureColumns<dim>::prescribe(Particles<dim>& particles, double time,
                                      const Vector<dim>& balanced) const {
   const double psi = -side_.pressure_at(time) / particles.density;
   for (std::size_t i = particles.unknowns; i < particles.size(); ++i)
-    if (particles.role[i] == Role::outflow && owns(particles.position[i]))
-      particles.pseudo_pressure[i] = psi + balanced.dot(particles.position[i]);
+    if (particles.role[i] == Role::outflow && owns(particles.position[i])) {
+      Vector<dim> x = particles.position[i];
+      x[plane_.axis] = plane_.place;
+      particles.pseudo_pressure[i] = psi + balanced.dot(x);
+    }
 }
 
 namespace {

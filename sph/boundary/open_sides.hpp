@@ -54,7 +54,7 @@ class PressureColumns {
   PressureColumns(const PressureSide& side, const Box& channel, double spacing, double reach);
   void fill(Particles<dim>& particles) const;
   void exchange(Particles<dim>& particles, ParticleBooks& books) const;
-  /// The prescribed pressure; `balanced` as in State.
+  /// The prescribed pressure, as it is at the side; `balanced` as in State.
   void prescribe(Particles<dim>& particles, double time, const Vector<dim>& balanced) const;
   /// Gives the columns the velocity of the interior at the mirrored place (kernel average).
   void copy_velocity(Particles<dim>& particles, const Kernel<dim>& kernel) const;

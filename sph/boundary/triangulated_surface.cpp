@@ -184,6 +184,8 @@ TriangulatedSurface TriangulatedSurface::read(const std::filesystem::path& file)
     gmsh::model::mesh::getElementsByType(2, elements, nodes);
   } catch (const std::exception& error) {
     throw std::runtime_error(file.string() + ": Gmsh cannot read it: " + error.what());
+  } catch (...) {  // Gmsh throws numbers and texts as well
+    throw std::runtime_error(file.string() + ": Gmsh cannot read it");
   }
   if (nodes.empty()) throw std::runtime_error(file.string() + ": holds no triangle");
   std::map<std::size_t, int> index;

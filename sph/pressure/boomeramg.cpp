@@ -45,7 +45,7 @@ class BoomerAmg final : public Preconditioner {
     HYPRE_IJMatrixCreate(MPI_COMM_SELF, 0, last, 0, last, &matrix_);
     HYPRE_IJMatrixSetObjectType(matrix_, HYPRE_PARCSR);
     HYPRE_IJMatrixInitialize(matrix_);
-    auto all = assembled(matrix, Part::all, 1e-9);
+    auto all = assembled(matrix, Part::all, 1e-6);
     std::vector<HYPRE_Int> counts(matrix.rows());
     for (std::size_t i = 0; i < counts.size(); ++i)
       counts[i] = all.outerIndexPtr()[i + 1] - all.outerIndexPtr()[i];
@@ -69,16 +69,28 @@ class BoomerAmg final : public Preconditioner {
     HYPRE_BoomerAMGSetup(solver_, csr(), vector(right_), vector(solution_));
   }
 
-  void apply(const PressureMatrix&, const std::vector<double>& r, std::vector<double>& z) override {
+  void apply(const PressureMatrix& matrix, const std::vector<double>& r,
+             std::vector<double>& z) override {
     const auto n = static_cast<HYPRE_Int>(rows_.size());
     std::fill(z.begin(), z.end(), 0.0);
-    HYPRE_IJVectorSetValues(right_, n, rows_.data(), r.data());
+    without_mean_ = r;
+    // Constants, which a singular matrix does not see, would come back multiplied by the inverse of
+    // the shift.
+    if (matrix.singular()) remove_mean(without_mean_);
+    HYPRE_IJVectorSetValues(right_, n, rows_.data(), without_mean_.data());
     HYPRE_IJVectorSetValues(solution_, n, rows_.data(), z.data());
     HYPRE_BoomerAMGSolve(solver_, csr(), vector(right_), vector(solution_));
     HYPRE_IJVectorGetValues(solution_, n, rows_.data(), z.data());
+    if (matrix.singular()) remove_mean(z);
   }
 
  private:
+  static void remove_mean(std::vector<double>& values) {
+    double mean = 0.0;
+    for (const double value : values) mean += value;
+    mean /= static_cast<double>(values.size());
+    for (double& value : values) value -= mean;
+  }
   HYPRE_ParCSRMatrix csr() const {
     void* object = nullptr;
     HYPRE_IJMatrixGetObject(matrix_, &object);
@@ -99,6 +111,7 @@ class BoomerAmg final : public Preconditioner {
   }
 
   std::vector<HYPRE_BigInt> rows_;
+  std::vector<double> without_mean_;
   HYPRE_Solver solver_ = nullptr;
   HYPRE_IJMatrix matrix_ = nullptr;
   HYPRE_IJVector right_ = nullptr, solution_ = nullptr;

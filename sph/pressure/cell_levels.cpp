@@ -66,7 +66,7 @@ void CellLevels::lay_out(Level& level, int dimension) const {
 }
 
 void CellLevels::build(const PressureMatrix& matrix, const CellMap& map) {
-  if (levels_.empty() || laid_out_ != map.extent) {
+  if (levels_.empty() || laid_out_ != map.extent || levels_[0].periodic != map.periodic) {
     laid_out_ = map.extent;
     levels_.clear();
     const int dimension = map.extent[2] > 1 || map.periodic[2] ? 3 : 2;
