@@ -1,5 +1,6 @@
 #include "sph/boundary/images.hpp"
 
+#include "sph/neighbours.hpp"
 #include "tests/unit/sph/particle_blocks.hpp"
 
 #include <gtest/gtest.h>
@@ -130,6 +131,125 @@ TEST(Images, ContinueTheLatticeBeyondTheWalls) {
   for (const auto& x : images.points())
     sites.insert({std::lround(x[0] / 0.25 - 0.5), std::lround(x[1] / 0.25 - 0.5)});
   EXPECT_EQ(sites.size(), 8u * 7u);
+}
+
+// --- periodic sides
+// ---------------------------------------------------------------------------------
+
+std::set<std::pair<long, long>> in_hundredths(const std::vector<Vector<2>>& points) {
+  std::set<std::pair<long, long>> places;
+  for (const auto& x : points)
+    places.insert({std::lround(100.0 * x[0]), std::lround(100.0 * x[1])});
+  return places;
+}
+
+TEST(PeriodicImages, StandBeyondTheOtherSide) {
+  // Near the low side, near the high one, in the middle.
+  const auto particles = test::particles_at<2>({{0.05, 0.5}, {0.97, 0.5}, {0.5, 0.5}}, 0.1);
+  Images<2> images({}, {{0, 0.0, 1.0}});
+  images.mirror(particles, 0.2);
+  ASSERT_EQ(images.size(), 2u);
+  EXPECT_EQ(in_hundredths({images.points().begin() + 3, images.points().end()}),
+            (std::set<std::pair<long, long>>{{105, 50}, {-3, 50}}));
+  for (std::int32_t m = 3; m < 5; ++m) {
+    const auto source = particles.position[images.source(m)];
+    EXPECT_NEAR(std::abs(images.points()[m][0] - source[0]), 1.0, 1e-15);
+    EXPECT_FALSE(images.by_shaped_wall(m));
+  }
+  EXPECT_TRUE(images.weights().empty());
+  std::vector<Vector<2>> extended;
+  const std::vector<Vector<2>> velocity{{0.7, -0.2}, {0.1, 0.3}, {5.0, 5.0}};
+  for (const bool viscous : {true, false}) {
+    if (viscous)
+      images.extend_for_viscosity(velocity, extended);
+    else
+      images.extend_for_divergence(velocity, extended);
+    for (std::int32_t m = 3; m < 5; ++m) EXPECT_EQ(extended[m], velocity[images.source(m)]);
+  }
+}
+
+TEST(PeriodicImages, CornerOfTwoAxesHasThree) {
+  const auto particles = test::particles_at<2>({{0.05, 0.48}}, 0.1);
+  Images<2> images({}, {{0, 0.0, 1.0}, {1, -0.5, 0.5}});
+  images.mirror(particles, 0.2);
+  ASSERT_EQ(images.size(), 3u);
+  EXPECT_EQ(in_hundredths({images.points().begin() + 1, images.points().end()}),
+            (std::set<std::pair<long, long>>{{105, 48}, {5, -52}, {105, -52}}));
+  for (std::int32_t m = 1; m < 4; ++m) EXPECT_EQ(images.source(m), 0);
+}
+
+TEST(PeriodicImages, ContinueTheLattice) {
+  const auto particles = test::particles_at<3>(test::lattice<3>({4, 5, 4}, 0.25), 0.25);
+  Images<3> images({}, {{0, 0.0, 1.0}, {1, 0.0, 1.25}, {2, 0.0, 1.0}});
+  images.mirror(particles, 0.5);
+  EXPECT_EQ(images.points().size(), 8u * 9u * 8u);
+  std::set<std::array<long, 3>> sites;
+  for (const auto& x : images.points())
+    sites.insert({std::lround(x[0] / 0.25 - 0.5), std::lround(x[1] / 0.25 - 0.5),
+                  std::lround(x[2] / 0.25 - 0.5)});
+  EXPECT_EQ(sites.size(), 8u * 9u * 8u);
+}
+
+TEST(PeriodicImages, MirrorsInAWallAreCopiedToo) {
+  const auto particles = test::particles_at<2>({{0.05, 0.03}}, 0.1);
+  const Vector<2> lid(1.5, 0.0);
+  Images<2> images({bottom(true, lid)}, {{0, 0.0, 1.0}});
+  images.mirror(particles, 0.2);
+  ASSERT_EQ(images.size(), 3u);
+  EXPECT_EQ(in_hundredths({images.points().begin() + 1, images.points().end()}),
+            (std::set<std::pair<long, long>>{{5, -3}, {105, 3}, {105, -3}}));
+  std::vector<Vector<2>> extended;
+  images.extend_for_viscosity({{0.7, -0.2}}, extended);
+  for (std::size_t m = 1; m < 4; ++m) {
+    const bool below = images.points()[m][1] < 0.0;
+    const Vector<2> expected = below ? Vector<2>(2.3, 0.2) : Vector<2>(0.7, -0.2);  // 2 u_w - u
+    EXPECT_NEAR((extended[m] - expected).norm(), 0.0, 1e-15);
+  }
+  images.set_wall_velocity(0, {-1.0, 0.0});
+  images.extend_for_viscosity({{0.7, -0.2}}, extended);
+  for (std::size_t m = 1; m < 4; ++m) {
+    if (images.points()[m][1] < 0.0) {
+      EXPECT_NEAR(extended[m][0], -2.7, 1e-15);
+    }
+  }
+  images.extend_for_divergence({{0.7, -0.2}}, extended);
+  for (std::size_t m = 1; m < 4; ++m)
+    EXPECT_EQ(extended[m], Vector<2>(0.7, images.points()[m][1] < 0.0 ? 0.2 : -0.2));
+}
+
+TEST(PeriodicImages, WrapBringsAPlaceBackIn) {
+  const Images<2> images({}, {{0, -1.0, 1.0}});
+  for (const auto& [from, to] : {std::pair{0.25, 0.25},
+                                 {-1.0, -1.0},
+                                 {1.0, -1.0},
+                                 {1.25, -0.75},
+                                 {-1.5, 0.5},
+                                 {7.25, -0.75},
+                                 {-7.25, 0.75}}) {
+    Vector<2> x(from, 42.0);
+    images.wrap(x);
+    EXPECT_EQ(x, Vector<2>(to, 42.0)) << from;
+  }
+}
+
+// The sum of kernels knows no origin: every particle has the same filling wherever the seam lies.
+TEST(PeriodicImages, TheSeamIsNowhere) {
+  const double dx = 0.1;
+  auto particles = test::particles_at<2>(test::lattice<2>({9, 7}, dx, 0.3, 12), dx);
+  Images<2> images({}, {{0, 0.0, 0.9}, {1, 0.0, 0.7}});
+  const Kernel<2> kernel(1.3 * dx);
+  Support<2> support;
+  images.mirror(particles, kernel.support_radius());
+  support.build(kernel, images.points(), particles.size(), particles.volume);
+  const auto before = support.partition();
+  for (auto& x : particles.position) {
+    x += Vector<2>(0.3172, -5.211);
+    images.wrap(x);
+  }
+  images.mirror(particles, kernel.support_radius());
+  support.build(kernel, images.points(), particles.size(), particles.volume);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    EXPECT_NEAR(support.partition()[i], before[i], 1e-12);
 }
 
 }  // namespace
