@@ -133,8 +133,11 @@ void write_series(RecordWriter& writer, const Deviation& deviation, double step,
 }
 
 void write_tables(RecordWriter& writer, const Deviation& deviation) {
-  const Solid beam{
-      "beam", {{beam_left, 0, 0}, {beam_left + beam_width, beam_height, 0}}, 0.7e6, Side::bottom};
+  Solid beam;
+  beam.name = "beam";
+  beam.body = {{beam_left, 0, 0}, {beam_left + beam_width, beam_height, 0}};
+  beam.youngs_modulus = 0.7e6;
+  beam.clamped = Side::bottom;
   const auto points = outline_points(beam, 87);
   for (const double t : probe_times()) {
     if (t > deviation.stops_at) continue;
