@@ -46,12 +46,15 @@ LaidPlate<dim> lay(const Plate& plate, int rows, bool clamped) {
   laid.shape.angle = plate.angle;
   if (plate.bend > 0.0) {
     const double thickness = plate.layers * spacing, radius = thickness / plate.bend;
-    laid.shape.arc = Arc{{}, radius - 0.5 * thickness, radius + 0.5 * thickness,
-                         plate.angle, plate.angle + rows * spacing / radius};
+    laid.shape.arc = Arc{{},
+                         radius - 0.5 * thickness,
+                         radius + 0.5 * thickness,
+                         plate.angle,
+                         plate.angle + rows * spacing / radius};
   }
   if (clamped) laid.shape.clamped = Side::bottom;
-  laid.particles = is_oblique(laid.shape) ? fitted<dim>(laid.shape, spacing)
-                                          : block<dim>(laid.count, spacing);
+  laid.particles =
+      is_oblique(laid.shape) ? fitted<dim>(laid.shape, spacing) : block<dim>(laid.count, spacing);
   laid.network =
       network_of<dim>(laid.particles, laid.shape, plate.material, plate.surface_correction);
   return laid;
@@ -173,7 +176,8 @@ double frequency_ratio(const Plate& plate) {
   const auto& rest = laid.particles.position;
   const double mass = laid.particles.mass();
   std::vector<Vector<2>> mode(rest.size(), Vector<2>::Zero());
-  for (std::size_t i = 0; i < rest.size(); ++i) mode[i] = std::pow((laid.along(i) + 0.5) * spacing, 2) * laid.direction(i, 0);
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    mode[i] = std::pow((laid.along(i) + 0.5) * spacing, 2) * laid.direction(i, 0);
   double frequency2 = 0.0;
   // Inverse iteration: the second mode is 6 times higher, so each sweep gains a factor 40.
   for (int sweep = 0; sweep < 6; ++sweep) {

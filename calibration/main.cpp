@@ -4,11 +4,11 @@
 #include "calibration/finite_strain.hpp"
 #include "calibration/lattice_modulus.hpp"
 #include "calibration/published.hpp"
+#include "scene/command_line.hpp"
 #include "scene/progress.hpp"
 
 #include <fmt/format.h>
 #include <omp.h>
-#include <CLI/CLI.hpp>
 
 #include <cmath>
 #include <numbers>
@@ -359,21 +359,13 @@ int main(int argc, char** argv) {
   CLI::App& held = *app.add_subcommand("hold", "Poisson's ratio and volume of blocks under load");
   held.add_option("--seconds", a.seconds, "how long")->check(CLI::Range(0.1, 100.0));
   app.add_subcommand("bending", "plates of few layers in stretching, bending and vibration");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  omp_set_num_threads(a.threads);
-  try {
+  return run_program(app, argc, argv, [&] {
+    omp_set_num_threads(a.threads);
     if (app.got_subcommand("sweep")) return sweep(a);
     if (app.got_subcommand("directions")) return directions(a);
     if (app.got_subcommand("bending")) return bending(a);
     if (app.got_subcommand("stress-strain")) return stress_strain(a);
     if (app.got_subcommand("hold")) return hold(a);
     return measure_table(a);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
-    return 1;
-  }
+  });
 }

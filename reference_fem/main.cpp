@@ -10,9 +10,9 @@
 ///                                                      (convergence.hpp)
 
 #include "reference_fem/convergence.hpp"
+#include "scene/command_line.hpp"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 namespace {
 
@@ -68,18 +68,12 @@ int main(int argc, char** argv) {
       "understood;\n3 the run stopped itself, its record whole up to there."};
   Arguments a;
   declare(app, a);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
-    return work(a);
-  } catch (const reference::RunStopped& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
-    return 3;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
-    return 1;
-  }
+  return run_program(app, argc, argv, [&] {
+    try {
+      return work(a);
+    } catch (const reference::RunStopped& error) {
+      fmt::print(stderr, "error: {}\n", error.what());
+      return 3;
+    }
+  });
 }

@@ -1,10 +1,10 @@
 #include "reference_fem/mesh.hpp"
 
+#include "scene/gmsh_session.hpp"
+
 #include "reference_fem/cylinder_mesh.hpp"
 
 #include <deal.II/grid/grid_tools.h>
-
-#include <gmsh.h>
 
 #include <algorithm>
 #include <array>
@@ -17,19 +17,6 @@
 
 namespace sprung::reference {
 namespace {
-
-/// Gmsh keeps one global model; this opens it and closes it again whatever happens in between.
-class GmshSession {
- public:
-  GmshSession() {
-    gmsh::initialize();
-    gmsh::option::setNumber("General.Terminal", 0);
-    gmsh::model::add("scene");
-  }
-  ~GmshSession() { gmsh::finalize(); }
-  GmshSession(const GmshSession&) = delete;
-  GmshSession& operator=(const GmshSession&) = delete;
-};
 
 bool on_side(const Box& channel, Side side, double x, double y) {
   const double tolerance =
@@ -318,6 +305,7 @@ MeshQuality make_mesh(const Problem& problem, const MeshSizes& sizes,
   std::vector<dealii::CellData<2>> cells;
   {
     const GmshSession session;
+    gmsh::model::add("scene");
     try {
       collect_cells(build_blocks(problem, coarsened(sizes)), vertices, cells);
     } catch (const std::string& error) {  // as Gmsh throws

@@ -4,6 +4,7 @@
 #include "reference_fem/solid_block.hpp"
 
 #include "scene/atomic_file.hpp"
+#include "scene/command_line.hpp"
 #include "scene/manifest.hpp"
 #include "scene/progress.hpp"
 
@@ -11,7 +12,6 @@
 #include <deal.II/base/multithread_info.h>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <filesystem>
 
@@ -118,15 +118,5 @@ int main(int argc, char** argv) {
       "understood"};
   Arguments a;
   declare(app, a);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
-    return work(a);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
-    return 1;
-  }
+  return run_program(app, argc, argv, [&] { return work(a); });
 }

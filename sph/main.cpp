@@ -1,11 +1,11 @@
 /// sprung-sph: checks, explains and runs a scene with the particle method.
 
+#include "scene/command_line.hpp"
 #include "sph/explain.hpp"
 #include "sph/run.hpp"
 
 #include <fmt/format.h>
 #include <omp.h>
-#include <CLI/CLI.hpp>
 
 namespace {
 
@@ -78,15 +78,5 @@ int main(int argc, char** argv) {
   run.add_flag("--overwrite", a.overwrite, "replace a record that stands in --out");
   run.add_option("--until", a.until,
                  "pause after the step that reaches this time (s) and leave a checkpoint");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
-    return dispatch(app, a);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
-    return 1;
-  }
+  return run_program(app, argc, argv, [&] { return dispatch(app, a); });
 }

@@ -4,6 +4,7 @@
 /// stands beside the least number of bytes that it must move, at the bandwidth that a STREAM triad
 /// reaches in the same process.
 
+#include "scene/command_line.hpp"
 #include "scene/progress.hpp"
 #include "sph/scene_setup.hpp"
 #include "sph/time_step.hpp"
@@ -15,7 +16,6 @@
 
 #include <fmt/format.h>
 #include <omp.h>
-#include <CLI/CLI.hpp>
 
 namespace {
 
@@ -152,12 +152,9 @@ int main(int argc, char** argv) {
   app.add_option("--threads", threads, "threads")->check(CLI::Range(1, 256));
   app.add_option("--tolerance", tolerance, "of the pressure solver")->check(CLI::Range(1e-12, 0.5));
   app.add_option("--calibration", table, "table of lambda = E/k_e");
-  CLI11_PARSE(app, argc, argv);
-  omp_set_num_threads(threads);
-  try {
+  return run_program(app, argc, argv, [&] {
+    omp_set_num_threads(threads);
     measure(side, steps, tolerance, table);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
-    return 1;
-  }
+    return 0;
+  });
 }

@@ -1,5 +1,7 @@
 #include "sph/boundary/triangulated_surface.hpp"
 
+#include "scene/gmsh_session.hpp"
+
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <unsupported/Eigen/BVH>
@@ -8,8 +10,6 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
-
-#include <gmsh.h>
 
 namespace sprung::sph {
 
@@ -38,15 +38,6 @@ Vector<3> nearest_in_triangle(const Vector<3>& x, const Vector<3>& a, const Vect
   const double sum = va + vb + vc;
   return {va / sum, vb / sum, vc / sum};
 }
-
-/// Gmsh keeps one global model; this opens it and closes it again whatever happens in between.
-struct GmshSession {
-  GmshSession() {
-    gmsh::initialize();
-    gmsh::option::setNumber("General.Terminal", 0);
-  }
-  ~GmshSession() { gmsh::finalize(); }
-};
 
 }  // namespace
 

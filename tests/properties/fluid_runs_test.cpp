@@ -2,21 +2,18 @@
 /// moving lid, a channel between two pressures, a channel with a cylinder.
 
 #include "scene/record.hpp"
-#include "sph/run.hpp"
-#include "tests/unit/scene/temporary_folder.hpp"
-#include "tests/unit/sph/channel_scene.hpp"
+#include "tests/properties/recorded_run.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <cmath>
 
 namespace sprung::sph {
 namespace {
 
-using sprung::test::all_files;
 using sprung::test::TemporaryFolder;
+using test::expect_same_bytes;
 
 /// A box of a by b (m), spacing 2^-5 m: the lattice and its mirror image are exact.
 std::string head(double a, double b, double end) {
@@ -80,27 +77,7 @@ std::string cylinder(double middle = 0.03125, const std::string& numerics = "") 
 
 Outcome run_scene(const std::string& scene, const std::filesystem::path& out, int threads = 1,
                   double until = 0.0, bool resume = false) {
-  const TemporaryFolder folder;
-  Document document = Document::from_text(scene, "s.toml");
-  omp_set_num_threads(threads);
-  const Outcome outcome =
-      run<2>(document, test::plane_modulus_table(folder.path() / "table.csv"),
-             {.out = out, .resume = resume, .overwrite = false, .until = until});
-  omp_set_num_threads(1);
-  return outcome;
-}
-
-/// Every probe, ledger and field of two records, byte by byte.
-void expect_same_bytes(const std::filesystem::path& a, const std::filesystem::path& b) {
-  for (const char* folder : {"probes", "fields"}) {
-    const auto left = all_files(a / folder), right = all_files(b / folder);
-    EXPECT_FALSE(left.empty());
-    ASSERT_EQ(left.size(), right.size()) << folder;
-    for (const auto& [name, content] : left) {
-      ASSERT_TRUE(right.contains(name)) << name;
-      EXPECT_TRUE(content == right.at(name)) << folder << '/' << name << " differs";
-    }
-  }
+  return test::run_scene(Document::from_text(scene, "s.toml"), out, threads, until, resume);
 }
 
 double largest(const std::vector<double>& values) {

@@ -1,45 +1,22 @@
 /// What must not change a result: the number of threads, a pause, a mirror, the units.
 
 #include "scene/record.hpp"
-#include "sph/run.hpp"
-#include "tests/unit/scene/temporary_folder.hpp"
-#include "tests/unit/sph/channel_scene.hpp"
+#include "tests/properties/recorded_run.hpp"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <cmath>
 
 namespace sprung::sph {
 namespace {
 
-using sprung::test::all_files;
 using sprung::test::TemporaryFolder;
 using test::ChannelScene;
+using test::expect_same_bytes;
 
 Outcome run_scene(const ChannelScene& scene, const std::filesystem::path& out, int threads = 1,
                   double until = 0.0, bool resume = false) {
-  const TemporaryFolder folder;
-  Document document = scene.document();
-  omp_set_num_threads(threads);
-  const Outcome outcome =
-      run<2>(document, test::plane_modulus_table(folder.path() / "table.csv"),
-             {.out = out, .resume = resume, .overwrite = false, .until = until});
-  omp_set_num_threads(1);
-  return outcome;
-}
-
-/// Every probe, ledger and field of two records, byte by byte.
-void expect_same_bytes(const std::filesystem::path& a, const std::filesystem::path& b) {
-  for (const char* folder : {"probes", "fields"}) {
-    const auto left = all_files(a / folder), right = all_files(b / folder);
-    EXPECT_FALSE(left.empty());
-    ASSERT_EQ(left.size(), right.size()) << folder;
-    for (const auto& [name, content] : left) {
-      ASSERT_TRUE(right.contains(name)) << name;
-      EXPECT_TRUE(content == right.at(name)) << folder << '/' << name << " differs";
-    }
-  }
+  return test::run_scene(scene.document(), out, threads, until, resume);
 }
 
 /// What went into the record is not all zero: the beam has moved.

@@ -1,6 +1,7 @@
 /// Images in walls of any shape, and the pressure matrix that folds them.
 
 #include "sph/pressure/matrix.hpp"
+#include "tests/unit/sph/dense_matrix.hpp"
 #include "tests/unit/sph/particle_blocks.hpp"
 
 #include <gtest/gtest.h>
@@ -176,20 +177,6 @@ void expect_opposite_pairs(const Particles<dim>& particles, const Images<dim>& i
   EXPECT_GT(pairs, 20);
 }
 
-template <int dim>
-Eigen::MatrixXd dense(const PressureMatrix& matrix) {
-  const auto n = static_cast<Eigen::Index>(matrix.rows());
-  Eigen::MatrixXd a(n, n);
-  std::vector<double> unit(n, 0.0), column(n);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    unit[j] = 1.0;
-    matrix.multiply(unit, column);
-    unit[j] = 0.0;
-    a.col(j) = Eigen::Map<Eigen::VectorXd>(column.data(), n);
-  }
-  return a;
-}
-
 /// Symmetric, rows that sum to zero, off-diagonal entries <= 0, and images that matter.
 template <int dim>
 void expect_sound_matrix(const Particles<dim>& particles, Images<dim> images,
@@ -202,7 +189,7 @@ void expect_sound_matrix(const Particles<dim>& particles, Images<dim> images,
   PressureMatrix matrix;
   matrix.assemble(particles, images, support, kernel);
   EXPECT_TRUE(matrix.singular());
-  const Eigen::MatrixXd a = dense<dim>(matrix);
+  const Eigen::MatrixXd a = test::dense(matrix);
   const double size = a.diagonal().maxCoeff();
   // Distances of a pair are found on either side of the wall: round-off of the entries.
   EXPECT_LT((a - a.transpose()).cwiseAbs().maxCoeff(), 1e-12 * size);
@@ -217,7 +204,7 @@ void expect_sound_matrix(const Particles<dim>& particles, Images<dim> images,
   Support<dim> short_support;
   short_support.build(kernel, none.points(), particles.unknowns, particles.volume);
   bare.assemble(particles, none, short_support, kernel);
-  EXPECT_GT((a - dense<dim>(bare)).cwiseAbs().maxCoeff(), 0.05 * size);
+  EXPECT_GT((a - test::dense(bare)).cwiseAbs().maxCoeff(), 0.05 * size);
 }
 
 TEST(PressureMatrixWithCurvedWalls, IsSymmetricWithRowsThatSumToZero) {
