@@ -33,28 +33,6 @@ class DampedLoad final : public sph::Acceleration<dim> {
   double damping_;
 };
 
-/// Adds what the corrector's gradient leaves out at a free surface. In vacuum sph::Simulation
-/// corrects with sum V psi_j grad W, of which a particle near the surface gets only its own part: a
-/// body under uniform pressure is pushed by half of it. With sum V (psi_i + psi_j) grad W, the
-/// negative adjoint of the divergence of Eq. 3, the forces between two particles are opposite and
-/// the section carries the whole; on a full lattice nothing changes.
-template <int dim>
-class BalancedPressure final : public sph::Constraint<dim> {
- public:
-  void constrain(sph::State<dim>& state, const std::vector<Vector<dim>>&) override {
-    auto& particles = state.particles;
-    const auto& points = state.images.points();
-    const double scale = state.clock.time_step * particles.volume;
-    for (std::size_t i = 0; i < particles.unknowns; ++i) {
-      const auto near = state.support.of(i);
-      Vector<dim> sum = Vector<dim>::Zero();
-      for (std::size_t k = 0; k < near.index.size(); ++k)
-        sum += near.gradient_factor[k] * (points[i] - points[near.index[k]]);
-      particles.velocity[i] += scale * particles.pseudo_pressure[i] * sum;
-    }
-  }
-};
-
 template <int dim>
 std::array<int, dim> cube(int layers) {
   std::array<int, dim> count;
@@ -155,7 +133,6 @@ class LoadedBlock {
       effects.limits.push_back(springs_);
     effects.body_forces.push_back(std::move(springs));
     effects.body_forces.push_back(std::make_unique<DampedLoad<dim>>(std::move(load), damping_));
-    effects.constraints.insert(effects.constraints.begin(), &balanced_pressure_);
     simulation_->stand_in_vacuum();
     simulation_->start(wave_speed, implicit ? 0.7 * spacing / wave_speed : 0.0);
   }
@@ -226,7 +203,6 @@ class LoadedBlock {
   std::vector<Vector<dim>> rest_;
   double mass_ = 0.0, damping_ = 0.0;
   sph::ElasticSolid<dim>* springs_ = nullptr;
-  BalancedPressure<dim> balanced_pressure_;
   std::unique_ptr<sph::Simulation<dim>> simulation_;
 };
 

@@ -171,8 +171,9 @@ void Simulation<dim>::relax(int sweeps) {
       state_.images.wrap(particles.position[i]);
       state_.images.turn_back(particles.position[i]);
     }
-    build_support();
+    search();
   }
+  correct_gradients();
 }
 
 template <int dim>
@@ -380,17 +381,7 @@ void Simulation<dim>::solve_pressure() {
       mean /= static_cast<double>(n);
       for (double& s : source_) s -= mean;
     }
-    cells_.cell_of.resize(n);
-#pragma omp parallel for schedule(static)
-    for (std::size_t i = 0; i < n; ++i) {
-      std::int32_t number = 0;
-      for (int d = dim - 1; d >= 0; --d) {
-        const auto c = static_cast<std::int32_t>(
-            std::floor((particles.position[i][d] - cell_origin_[d]) * inverse_cell_[d]));
-        number = number * cells_.extent[d] + std::clamp(c, 0, cells_.extent[d] - 1);
-      }
-      cells_.cell_of[i] = number;
-    }
+    cells_.assign<dim>({particles.position.data(), n}, cell_origin_, inverse_cell_);
     solver_->prepare(matrix_, cells_);
   }
   const Stopwatch watch(seconds_[std::size_t(Action::pressure_solve)]);
@@ -420,9 +411,10 @@ void Simulation<dim>::correct_velocity() {
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
     Vector<dim> sum = Vector<dim>::Zero();
-    // On a whole lattice the terms with psi_i add up to zero, those of missing neighbours (psi = 0)
-    // included.
-    const double psi_i = vacuum_ ? 0.0 : particles.pseudo_pressure[i];
+    // In vacuum sum V (psi_i + psi_j) grad W, the negative adjoint of Eq. 3's divergence: forces
+    // between two particles are opposite, and a section at a free surface carries the whole
+    // pressure. On a full lattice the terms with psi_i add up to zero, so the sign means nothing.
+    const double psi_i = vacuum_ ? -particles.pseudo_pressure[i] : particles.pseudo_pressure[i];
     const auto inner = state_.support.inner(i);
     for (std::size_t k = 0; k < inner.index.size(); ++k) {
       const std::int32_t j = inner.index[k];
@@ -517,11 +509,17 @@ void Simulation<dim>::update_support_and_mirrors() {
 
 template <int dim>
 void Simulation<dim>::build_support() {
+  search();
+  correct_gradients();
+}
+
+/// Images and neighbours at the particles' places.
+template <int dim>
+void Simulation<dim>::search() {
   auto& particles = state_.particles;
   state_.images.mirror(particles, state_.kernel.support_radius());
   state_.support.build(state_.kernel, state_.images.points(), particles.unknowns, particles.volume,
                        state_.images.weights());
-  correct_gradients();
 }
 
 template <int dim>

@@ -105,6 +105,7 @@ class Simulation {
  private:
   void divergence(const std::vector<Vector<dim>>& velocity, std::vector<double>& result);
   void build_support();
+  void search();
   void correct_gradients();
   void map_cells();
   double particles_inside() const;

@@ -29,10 +29,10 @@ struct State {
   /// motion: pseudo_pressure is psi + a . x, and only what shows or prescribes a pressure uses it.
   Vector<dim> balanced_acceleration = Vector<dim>::Zero();
   /// L_i, to be applied to a particle's sums over V F r; empty without gradient correction.
-  std::vector<Eigen::Matrix<double, dim, dim>> gradient_correction;
+  std::vector<Eigen::Matrix<double, dim, dim>> gradient_correction = {};
   /// A_i: a pair's term of the viscous sum counts e . (A_i + A_j)/2 e, e along the pair; empty
   /// without gradient correction. See Simulation::correct_gradients.
-  std::vector<Eigen::Matrix<double, dim, dim>> laplacian_correction;
+  std::vector<Eigen::Matrix<double, dim, dim>> laplacian_correction = {};
   /// p in Pa of particle i.
   double pressure(std::size_t i) const {
     return particles.density *

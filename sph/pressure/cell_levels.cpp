@@ -1,6 +1,7 @@
 #include "sph/pressure/cell_levels.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <stdexcept>
 
@@ -23,6 +24,25 @@ std::array<std::int32_t, 3> coordinates(const std::array<std::int32_t, 3>& exten
 }
 
 }  // namespace
+
+template <int dim>
+void CellMap::assign(std::span<const Vector<dim>> positions, const Vector<dim>& origin,
+                     const Vector<dim>& inverse_cell) {
+  cell_of.resize(positions.size());
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    std::int32_t number = 0;
+    for (int d = dim - 1; d >= 0; --d) {
+      const auto c =
+          static_cast<std::int32_t>(std::floor((positions[i][d] - origin[d]) * inverse_cell[d]));
+      number = number * extent[d] + std::clamp(c, 0, extent[d] - 1);
+    }
+    cell_of[i] = number;
+  }
+}
+
+template void CellMap::assign<2>(std::span<const Vector<2>>, const Vector<2>&, const Vector<2>&);
+template void CellMap::assign<3>(std::span<const Vector<3>>, const Vector<3>&, const Vector<3>&);
 
 /// The place of `to` among the neighbours of `from`, by the steps -1, 0, 1 along each axis.
 int CellLevels::slot(const Level& level, std::int32_t from, std::int32_t to) {

@@ -19,6 +19,11 @@ struct CellMap {
   std::array<bool, 3> periodic{};
   std::vector<std::int32_t> cell_of;
   std::int32_t cells() const { return extent[0] * extent[1] * extent[2]; }
+  /// Fills cell_of for `positions`: cell d of a place is (x_d - origin_d) inverse_cell_d, places
+  /// outside the grid belonging to its outermost cells. extent is set before.
+  template <int dim>
+  void assign(std::span<const Vector<dim>> positions, const Vector<dim>& origin,
+              const Vector<dim>& inverse_cell);
 };
 
 class CellLevels {

@@ -60,14 +60,8 @@ struct System {
       map.periodic[d] = d < periodic_axes;
     }
     const double cell = length / map.extent[0];
-    for (std::size_t i = 0; i < particles.unknowns; ++i) {
-      std::int32_t number = 0;
-      for (int d = dim - 1; d >= 0; --d)
-        number = number * map.extent[d] +
-                 std::clamp(static_cast<std::int32_t>(particles.position[i][d] / cell), 0,
-                            map.extent[d] - 1);
-      map.cell_of.push_back(number);
-    }
+    map.assign<dim>({particles.position.data(), particles.unknowns}, Vector<dim>::Zero(),
+                    Vector<dim>::Constant(1.0 / cell));
   }
 
   /// Uneven, and of zero mean where the matrix is singular.

@@ -1,5 +1,6 @@
 #include "sph/pressure/solver.hpp"
 
+#include "tests/unit/sph/dense_matrix.hpp"
 #include "tests/unit/sph/particle_blocks.hpp"
 
 #include <gtest/gtest.h>
@@ -40,14 +41,8 @@ struct Box {
     // Cells wider than the support, as the two-level solver asks for.
     const double cell = 3.5 * dx;
     for (int d = 0; d < dim; ++d) map.extent[d] = static_cast<std::int32_t>(high[d] / cell) + 1;
-    for (std::size_t i = 0; i < particles.unknowns; ++i) {
-      std::int32_t number = 0;
-      for (int d = dim - 1; d >= 0; --d)
-        number = number * map.extent[d] +
-                 std::clamp(static_cast<std::int32_t>(particles.position[i][d] / cell), 0,
-                            map.extent[d] - 1);
-      map.cell_of.push_back(number);
-    }
+    map.assign<dim>({particles.position.data(), particles.unknowns}, Vector<dim>::Zero(),
+                    Vector<dim>::Constant(1.0 / cell));
   }
 
   static constexpr double dx = 0.1;
@@ -76,20 +71,6 @@ Eigen::MatrixXd matrix_from_all_pairs(const Box<dim>& box, Eigen::VectorXd& boun
   return a;
 }
 
-template <int dim>
-Eigen::MatrixXd dense(const PressureMatrix& matrix) {
-  const auto n = static_cast<Eigen::Index>(matrix.rows());
-  Eigen::MatrixXd a(n, n);
-  std::vector<double> unit(n, 0.0), column(n);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    unit[j] = 1.0;
-    matrix.multiply(unit, column);
-    unit[j] = 0.0;
-    a.col(j) = Eigen::Map<Eigen::VectorXd>(column.data(), n);
-  }
-  return a;
-}
-
 Eigen::VectorXd uneven_vector(Eigen::Index n) {
   Eigen::VectorXd b(n);
   for (Eigen::Index i = 0; i < n; ++i) b[i] = std::sin(1.0 + 12.9898 * double(i));
@@ -100,7 +81,7 @@ template <int dim>
 void expect_assembled_rightly(const Box<dim>& box) {
   Eigen::VectorXd boundary;
   const Eigen::MatrixXd expected = matrix_from_all_pairs(box, boundary);
-  const Eigen::MatrixXd found = dense<dim>(box.matrix);
+  const Eigen::MatrixXd found = test::dense(box.matrix);
   // Sums of a few dozen terms in another order: round-off of the largest entry.
   const double tolerance = 1e-12 * expected.diagonal().maxCoeff();
   EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), tolerance);
@@ -156,7 +137,7 @@ TEST(PressureMatrix, InflowColumnsHaveNoSay) {
 
 template <int dim>
 void expect_dense_solution(const Box<dim>& box, PressureSolver& solver) {
-  const Eigen::MatrixXd a = dense<dim>(box.matrix);
+  const Eigen::MatrixXd a = test::dense(box.matrix);
   const Eigen::Index n = a.rows();
   Eigen::VectorXd b = uneven_vector(n);
   Eigen::VectorXd expected;
