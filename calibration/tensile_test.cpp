@@ -111,8 +111,8 @@ class LoadedBlock {
     particles.density = block_density;
     rest_ = particles.position;
     mass_ = particles.mass();
-    auto network =
-        network_of<dim>(particles, shape_of<dim>(cube<dim>(pull.layers), spacing), material);
+    auto network = network_of<dim>(particles, shape_of<dim>(cube<dim>(pull.layers), spacing),
+                                   material, pull.surface_correction);
     const double wave_speed = std::sqrt(spring_stiffness / block_density);
     const bool implicit = material.area_stiffness > 0.0;
     auto springs = std::make_unique<sph::ElasticSolid<dim>>(
@@ -206,15 +206,39 @@ class LoadedBlock {
   std::unique_ptr<sph::Simulation<dim>> simulation_;
 };
 
-/// Poisson's ratio of the core for finite strain: -ln(lateral stretch)/ln(stretch), in the plane
-/// r/(1+r) of that.
-template <int dim>
-double poisson_ratio(const PulledBlock& block) {
-  const double r = -std::log1p(block.core_lateral) / std::log1p(block.core_axial);
-  return dim == 2 ? r / (1.0 + r) : r;
+}  // namespace
+
+double poisson_ratio(int dimension, double axial, double lateral) {
+  const double r = -std::log1p(lateral) / std::log1p(axial);
+  return dimension == 2 ? r / (1.0 + r) : r;
 }
 
-}  // namespace
+template <int dim>
+double kernel_sum_poisson_ratio(double smoothing_length_ratio, double axial) {
+  const sph::Kernel<dim> kernel(smoothing_length_ratio);
+  const int reach = static_cast<int>(std::ceil(4.0 * smoothing_length_ratio));
+  const auto sum = [&](double stretch, double lateral) {
+    double total = 0.0;
+    std::array<int, dim> count;
+    count.fill(2 * reach + 1);
+    const auto sites = static_cast<std::size_t>(std::lround(std::pow(2 * reach + 1, dim)));
+    for (std::size_t i = 0; i < sites; ++i) {
+      const auto place = lattice_place<dim>(i, count);
+      double square = std::pow(stretch * (place[0] - reach), 2);
+      for (int d = 1; d < dim; ++d) square += std::pow(lateral * (place[d] - reach), 2);
+      const double r = std::sqrt(square);
+      if (r < kernel.support_radius()) total += kernel.value(r);
+    }
+    return total;
+  };
+  const double at_rest = sum(1.0, 1.0);
+  double low = 0.5, high = 2.0;  // of the lateral stretch; the sum falls with it
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (sum(1.0 + axial, middle) > at_rest ? low : high) = middle;
+  }
+  return poisson_ratio(dim, axial, 0.5 * (low + high) - 1.0);
+}
 
 template <int dim>
 PulledBlock pull_by_particle_solver(const Material& material, const Pull& pull) {
@@ -229,8 +253,8 @@ HeldBlock hold_block(const Material& material, const Pull& pull, double seconds)
   const double volume = loaded.volume();
   loaded.hold(seconds);
   const PulledBlock after = loaded.measured();
-  result.poisson_ratio_before = poisson_ratio<dim>(before);
-  result.poisson_ratio_after = poisson_ratio<dim>(after);
+  result.poisson_ratio_before = poisson_ratio(dim, before.core_axial, before.core_lateral);
+  result.poisson_ratio_after = poisson_ratio(dim, after.core_axial, after.core_lateral);
   result.strain_before = before.core_axial;
   result.strain_after = after.core_axial;
   result.volume_drift = (loaded.volume() / volume - 1.0) / seconds;
@@ -239,27 +263,43 @@ HeldBlock hold_block(const Material& material, const Pull& pull, double seconds)
 }
 
 template <int dim>
-PulledBlock pull_network(const Material& material, const Pull& pull) {
+std::vector<PulledBlock> pull_network_through(const Material& material, const Pull& pull,
+                                              std::span<const double> loads) {
   const double spacing = side / pull.layers;
   auto particles = block<dim>(cube<dim>(pull.layers), spacing);
   const auto rest = particles.position;
   const auto network = network_of<dim>(particles, shape_of<dim>(cube<dim>(pull.layers), spacing),
                                        material, pull.surface_correction);
-  double unbalanced = 0.0;
-  for (int step = 1; step <= pull.load_steps; ++step) {
-    Pull part = pull;
-    part.load *= static_cast<double>(step) / pull.load_steps;
-    unbalanced = find_equilibrium<dim>(network, particles, end_forces<dim>(part, spacing));
+  std::vector<PulledBlock> results;
+  for (const double load : loads) {
+    Pull now = pull;
+    now.load = load;
+    const double unbalanced =
+        find_equilibrium<dim>(network, particles, end_forces<dim>(now, spacing), pull.unbalanced);
+    results.push_back(measure<dim>(rest, particles.position, pull.layers));
+    results.back().unbalanced = unbalanced;
   }
-  PulledBlock result = measure<dim>(rest, particles.position, pull.layers);
-  result.unbalanced = unbalanced;
-  return result;
+  return results;
 }
 
+template <int dim>
+PulledBlock pull_network(const Material& material, const Pull& pull) {
+  std::vector<double> loads;
+  for (int step = 1; step <= pull.load_steps; ++step)
+    loads.push_back(pull.load * step / pull.load_steps);
+  return pull_network_through<dim>(material, pull, loads).back();
+}
+
+template double kernel_sum_poisson_ratio<2>(double, double);
+template double kernel_sum_poisson_ratio<3>(double, double);
 template PulledBlock pull_by_particle_solver<2>(const Material&, const Pull&);
 template PulledBlock pull_by_particle_solver<3>(const Material&, const Pull&);
 template HeldBlock hold_block<2>(const Material&, const Pull&, double);
 template HeldBlock hold_block<3>(const Material&, const Pull&, double);
+template std::vector<PulledBlock> pull_network_through<2>(const Material&, const Pull&,
+                                                          std::span<const double>);
+template std::vector<PulledBlock> pull_network_through<3>(const Material&, const Pull&,
+                                                          std::span<const double>);
 template PulledBlock pull_network<2>(const Material&, const Pull&);
 template PulledBlock pull_network<3>(const Material&, const Pull&);
 

@@ -176,10 +176,10 @@ def bending(rows: list[dict]):
              ("isotropic", 30, "yes", "area springs 30, corrected", "v", style.FURTHER[1]),
              ("isotropic", 300, "yes", "area springs 300, corrected", "o", style.RUNS["recommended"])]
     figure, grid = plt.subplots(1, 3, figsize=(style.WIDTH, 3.8), layout="constrained", sharex=True)
-    n = np.linspace(1, 12, 200)
+    n = np.geomspace(1.5, 36, 200)
     grid[0].plot(n, 0.75 * (n - 1) / n, ":", color="grey", lw=1.3)
     grid[0].plot(n, (n - 1) * (2 * n - 1) / (2 * n * n), "--", color="grey", lw=1)
-    for text, place in (("¾ (n−1)/n", (8.8, 0.6)), ("(n−1)(2n−1)/(2n²)", (7.6, 0.78))):
+    for text, place in (("¾ (n−1)/n", (10, 0.6)), ("(n−1)(2n−1)/(2n²)", (4.3, 0.86))):
         grid[0].annotate(text, place, fontsize=8, color="#555555", va="top",
                          bbox={"fc": "white", "ec": "none", "pad": 0.5})
     for bonds, kappa, corrected, name, marker, colour in cases:
@@ -190,7 +190,9 @@ def bending(rows: list[dict]):
                       mfc="none", label=name)
     for axes, title in zip(grid, ("bending stiffness EI", "stretching stiffness EA", "first frequency")):
         axes.axhspan(0.97, 1.03, color="#dddddd", lw=0, zorder=0)
-        axes.set(title=f"{title} / continuum", xlabel="layers n", xlim=(0.7, 12.5), ylim=(0, 1.5))
+        axes.set(title=f"{title} / continuum", xlabel="layers n", xscale="log", xlim=(1.7, 38), ylim=(0, 1.2))
+        axes.set_xticks([2, 3, 4, 6, 8, 12, 16, 24, 32], [2, 3, 4, 6, 8, 12, 16, 24, 32])
+        axes.minorticks_off()
     _legend_below(figure, grid[0], 2)
     return figure
 
@@ -231,7 +233,8 @@ def shapes(rows: list[dict]):
 # ---------------------------------------------------------------------------- large strains
 
 
-def stress_strain(rows: list[dict]):
+def stress_strain(rows: list[dict], by_reference: list[dict]):
+    """`by_reference`: the same stretches by finite elements; empty where they were not run."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.WIDTH, 3.9), layout="constrained")
     names = {"uniaxial": "uniaxial", "equibiaxial": "equibiaxial", "pure_shear": "pure shear",
              "simple_shear": "simple shear"}
@@ -245,15 +248,41 @@ def stress_strain(rows: list[dict]):
         at_rest = np.abs(solid) < 1e-9
         right.plot(100 * strain[~at_rest], (lattice / np.where(at_rest, 1, solid))[~at_rest], "-", color=colour,
                    label=name)
+        judged = where(by_reference, deformation=key)
+        if judged:
+            strain = column(judged, "stretch") - (0.0 if key == "simple_shear" else 1.0)
+            left.plot(100 * strain, column(judged, "reference_over_g"), "x", color=colour, ms=4)
+            right.plot(100 * strain, column(judged, "lattice_over_g") / column(judged, "reference_over_g"), "x",
+                       color=colour, ms=4)
     pulled = [row for row in where(rows, dimension=3, deformation="uniaxial") if row["cube_over_g"] != ""]
     left.plot(100 * (column(pulled, "stretch") - 1), column(pulled, "cube_over_g"), "o", color="black", ms=3.5,
               mfc="none", label="uniaxial: cube through the network")
-    left.plot([], [], ":", color="grey", label="neo-Hookean")
+    left.plot([], [], ":", color="grey", label="neo-Hookean, closed form")
+    if by_reference:
+        for axes in (left, right):
+            axes.plot([], [], "x", color="grey", ms=4, label="neo-Hookean, finite elements")
     left.set(xlabel="strain or shear [%]", title="nominal stress / G, isotropic bonds in space", ylim=(-4, 4))
     right.axhline(1.0, color="grey", lw=0.8)
     right.set(xlabel="strain or shear [%]", title="springs / neo-Hookean", ylim=(0.7, 1.6))
     for axes in (left, right):
         axes.legend(fontsize=7)
+    return figure
+
+
+def poisson(rows: list[dict]):
+    cases = [(0, 1.0, "paper's bonds, pressure equation, h = dx", "s", style.RUNS["paper"]),
+             (0, 1.3, "the same, h = 1.3 dx", "^", style.FURTHER[0]),
+             (300, 0, "isotropic, volume springs 300, corrected", "o", style.RUNS["recommended"])]
+    figure, axes = plt.subplots(figsize=(0.62 * style.WIDTH, 3.6), layout="constrained")
+    axes.axhspan(0.495, 0.505, color="#dddddd", lw=0, zorder=0)
+    for kappa, ratio, name, marker, colour in cases:
+        chosen = sorted(where(rows, area_stiffness=kappa, smoothing_length_ratio=ratio), key=lambda r: r["core_axial"])
+        strain = 100 * column(chosen, "core_axial")
+        axes.plot(strain, column(chosen, "poisson_ratio"), marker, color=colour, ms=5, mfc="none", label=name)
+        axes.plot(strain, column(chosen, "poisson_derived"), "-", color=colour, lw=0.9)
+    axes.plot([], [], "-", color="grey", lw=0.9, label="derived")
+    axes.set(xlabel="strain of the core [%]", ylabel="Poisson's ratio", title="cube under ±0.01 MPa, five springs")
+    axes.legend(fontsize=7)
     return figure
 
 
@@ -273,8 +302,12 @@ def main() -> None:
         "bending_by_layers": bending(read(tables / "bending.csv")),
         "bending_by_shape": shapes(read(tables / "bending.csv")),
     }
-    if (tables / "stress_strain.csv").is_file():  # not published yet
-        figures["stress_strain"] = stress_strain(read(tables / "stress_strain.csv"))
+    judged = tables / "stress_strain_reference.csv"  # not made where the reference is left out of the build
+    if (tables / "stress_strain.csv").is_file():  # as `sprung calibrate` alone leaves a folder
+        figures["stress_strain"] = stress_strain(read(tables / "stress_strain.csv"),
+                                                 read(judged) if judged.is_file() else [])
+    if (tables / "poisson.csv").is_file():
+        figures["poisson"] = poisson(read(tables / "poisson.csv"))
     out.mkdir(parents=True, exist_ok=True)
     for name, figure in figures.items():
         figure.savefig(out / f"{name}.png")

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace {
 
 using namespace sprung;
@@ -54,6 +56,35 @@ TEST(PulledBlock, PushedAndPulledAgreeForSmallLoads) {
   EXPECT_NEAR(
       pull_network<2>(material, pull).strain_ends / pull_network<2>(material, push).strain_ends,
       -1.0, 1e-3);
+}
+
+TEST(PulledBlock, IsTheSameWhicheverWayItsLoadIsReached) {
+  Pull pull;
+  pull.layers = 8;
+  pull.surface_correction = true;
+  pull.load = 0.1;
+  pull.load_steps = 2;
+  const Material material{2, isotropic, 300.0};
+  const std::vector<double> loads{0.2, 0.1};  // beyond, and back
+  const auto back = pull_network_through<2>(material, pull, loads).back();
+  // Newton's tolerance of 1e-8 of the load.
+  EXPECT_NEAR(back.core_axial / pull_network<2>(material, pull).core_axial, 1.0, 1e-6);
+}
+
+TEST(PoissonRatio, OfTheSolidThatKeepsItsVolumeIsOneHalf) {
+  const double s = 1.3;
+  EXPECT_NEAR(poisson_ratio(3, s - 1.0, 1.0 / std::sqrt(s) - 1.0), 0.5, 1e-12);
+  EXPECT_NEAR(poisson_ratio(2, s - 1.0, 1.0 / s - 1.0), 0.5, 1e-12);
+}
+
+// Sums of the Wendland kernel over the stretched lattice written down independently (NumPy, all
+// sites within four spacings, bisection for the lateral stretch); four digits.
+TEST(PoissonRatio, ThatTheKernelsSumKeeps) {
+  EXPECT_NEAR(kernel_sum_poisson_ratio<3>(1.0, 0.068), 0.4887, 1e-4);
+  EXPECT_NEAR(kernel_sum_poisson_ratio<3>(1.0, -0.06), 0.5074, 1e-4);
+  EXPECT_NEAR(kernel_sum_poisson_ratio<3>(1.3, 0.068), 0.4974, 1e-4);
+  EXPECT_NEAR(kernel_sum_poisson_ratio<2>(1.3, 0.043), 0.4977, 1e-4);
+  EXPECT_NEAR(kernel_sum_poisson_ratio<3>(1.0, 1e-4), 0.5, 1e-4);  // first order keeps the volume
 }
 
 TEST(Equilibrium, StretchesAChainByForceOverStiffness) {
