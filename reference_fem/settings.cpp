@@ -65,6 +65,11 @@ void refuse_missing_effects(const Document& document, const Problem& problem) {
           .refuse("",
                   "the finite element reference has no stiffening, viscoelastic or fibre; "
                   "remove that table, or use the particle solver");
+  if (problem.viscosity && problem.viscosity->carreau_yasuda)
+    document.table("viscosity.carreau_yasuda")
+        .refuse("",
+                "the finite element reference has a constant viscosity only; remove that table, or "
+                "use the particle solver");
   for (const CurvedWall& wall : problem.curved_walls)
     if (!wall.no_slip)
       document.table("curved_wall." + wall.name)

@@ -105,6 +105,7 @@ class ProblemReader {
   void claim(const Table& table, const std::string& key, Side side, const std::string& condition);
   void read_domain();
   void read_time_and_fluid();
+  void read_viscosity(const Table& table);
   void read_walls();
   void read_wall_motion();
   void read_periodic();
@@ -244,9 +245,23 @@ void ProblemReader::read_time_and_fluid() {
   problem_.end_time = positive(required_table("time", "end = \"3 s\""), "end", dimension::time);
   problem_.density =
       positive(required_table("fluid", "density = \"1000 kg/m3\""), "density", dimension::density);
-  if (root_.has("viscosity"))
-    problem_.viscosity = {
-        positive(root_.table("viscosity"), "dynamic", dimension::dynamic_viscosity)};
+  if (root_.has("viscosity")) read_viscosity(root_.table("viscosity"));
+}
+
+void ProblemReader::read_viscosity(const Table& table) {
+  Viscosity viscosity{positive(table, "dynamic", dimension::dynamic_viscosity), {}};
+  if (table.has("carreau_yasuda")) {
+    const Table law = table.table("carreau_yasuda");
+    const auto above_zero = [&](const std::string& key) {
+      const double value = law.number(key);
+      if (!(value > 0.0) || !std::isfinite(value)) law.refuse(key, "must be positive");
+      return value;
+    };
+    viscosity.carreau_yasuda = {positive(law, "high_shear", dimension::dynamic_viscosity),
+                                positive(law, "relaxation_time", dimension::time),
+                                above_zero("power"), above_zero("transition")};
+  }
+  problem_.viscosity = viscosity;
 }
 
 void ProblemReader::read_walls() {

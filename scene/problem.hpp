@@ -25,8 +25,18 @@ struct Box {
 enum class Side { left, right, bottom, top, back, front };
 const char* to_string(Side side);
 
+/// Shear thinning or thickening (Carreau 1972, Yasuda et al. 1981), mu0 being Viscosity::dynamic:
+/// mu = mu_high + (mu0 - mu_high) (1 + (relaxation_time rate)^transition)^((power - 1) / transition).
+struct CarreauYasuda {
+  double high_shear = 0.0;       ///< mu at unbounded shear rate, Pa s
+  double relaxation_time = 0.0;  ///< s
+  double power = 1.0;            ///< n; 1: Newtonian
+  double transition = 2.0;       ///< a; 2: Carreau's law
+};
+
 struct Viscosity {
-  double dynamic = 0.0;  ///< Pa s
+  double dynamic = 0.0;  ///< Pa s; with Carreau-Yasuda at vanishing shear rate
+  std::optional<CarreauYasuda> carreau_yasuda;
 };
 
 struct Walls {

@@ -80,6 +80,12 @@ Facts facts_of(const Problem& problem) {
   facts.emplace_back("density", text(problem.density));
   facts.emplace_back("viscosity",
                      problem.viscosity ? text(problem.viscosity->dynamic) : std::string("none"));
+  if (problem.viscosity && problem.viscosity->carreau_yasuda) {
+    const auto& law = *problem.viscosity->carreau_yasuda;
+    facts.emplace_back("carreau_yasuda", fmt::format("{}, {}, {}, {}", text(law.high_shear),
+                                                     text(law.relaxation_time), text(law.power),
+                                                     text(law.transition)));
+  }
   add_boundaries(problem, facts);
   for (const Solid& solid : problem.solids) {
     const std::string name = "solid." + solid.name;

@@ -15,9 +15,9 @@ namespace sprung::sph {
 
 namespace {
 
-template <int dim>
-bool add_viscosity(ParticleScene<dim>& scene, const ModulusTable&) {
-  if (!scene.problem.viscosity) return false;
+/// `law`: of the viscosity, see ViscosityEffect.
+template <int dim, class Law>
+void add_viscosity_of(ParticleScene<dim>& scene, Law law) {
   auto& simulation = *scene.simulation;
   const double nu = scene.problem.viscosity->dynamic / scene.problem.density;
   std::shared_ptr<SolidSurface<dim>> surface;
@@ -27,11 +27,37 @@ bool add_viscosity(ParticleScene<dim>& scene, const ModulusTable&) {
       bodies.push_back({scene.problem.solids[b], scene.bodies[b].first, scene.bodies[b].last});
     surface = std::make_shared<SolidSurface<dim>>(bodies, simulation.state().particles);
   }
-  auto effect = std::make_unique<ViscosityEffect<dim>>(nu, simulation.state().particles, surface);
+  auto effect = std::make_unique<ViscosityEffect<dim, Law>>(nu, simulation.state().particles,
+                                                            surface, std::move(law));
   simulation.effects().limits.push_back(effect.get());
   simulation.effects().diffusion.push_back(std::move(effect));
   scene.effects.push_back(
       fmt::format("viscosity: the scene has [viscosity], nu = {:.3g} m2/s", nu));
+}
+
+template <int dim>
+bool add_viscosity(ParticleScene<dim>& scene, const ModulusTable&) {
+  if (!scene.problem.viscosity || scene.problem.viscosity->carreau_yasuda) return false;
+  add_viscosity_of<dim>(scene, Newtonian<dim>{});
+  return true;
+}
+
+template <int dim>
+bool add_carreau_yasuda(ParticleScene<dim>& scene, const ModulusTable&) {
+  if (!scene.problem.viscosity || !scene.problem.viscosity->carreau_yasuda) return false;
+  for (const ForceProbe& probe : scene.problem.probes.force)
+    if (!probe.curved_wall.empty())
+      throw SceneError(fmt::format(
+          "[probes.{}] force_on = \"{}\": the force on a curved wall is measured with a constant "
+          "viscosity; leave out the probe or [viscosity.carreau_yasuda]",
+          probe.name, probe.curved_wall));
+  const Viscosity& viscosity = *scene.problem.viscosity;
+  const CarreauYasuda& law = *viscosity.carreau_yasuda;
+  add_viscosity_of<dim>(scene, CarreauYasudaLaw<dim>(law, viscosity.dynamic));
+  scene.effects.push_back(fmt::format(
+      "Carreau-Yasuda: the scene has [viscosity.carreau_yasuda], {:.3g} Pa s at rest to {:.3g} Pa s,"
+      " falling from {:.3g} 1/s on",
+      viscosity.dynamic, law.high_shear, 1.0 / law.relaxation_time));
   return true;
 }
 
@@ -247,7 +273,8 @@ struct Row {
 template <int dim>
 void add_effects(ParticleScene<dim>& scene, const ModulusTable& table) {
   constexpr Row<dim> rows[] = {
-      {"viscosity", add_viscosity<dim>, "a table [viscosity]"},
+      {"viscosity, constant", add_viscosity<dim>, "a table [viscosity]"},
+      {"Carreau-Yasuda viscosity", add_carreau_yasuda<dim>, "a table [viscosity.carreau_yasuda]"},
       {"gravity", add_gravity<dim>, "a table [gravity]"},
       {"moving walls", add_moving_walls<dim>, "a table [wall_motion.<side>]"},
       {"springs", add_springs<dim>, "a table [solid.<name>]"},

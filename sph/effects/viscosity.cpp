@@ -2,17 +2,18 @@
 
 namespace sprung::sph {
 
-template <int dim>
-ViscosityEffect<dim>::ViscosityEffect(double kinematic_viscosity, Particles<dim>& particles,
-                                      std::shared_ptr<SolidSurface<dim>> surface)
+template <int dim, class Law>
+ViscosityEffect<dim, Law>::ViscosityEffect(double kinematic_viscosity, Particles<dim>& particles,
+                                           std::shared_ptr<SolidSurface<dim>> surface, Law law)
     : nu_(kinematic_viscosity),
+      law_(std::move(law)),
       surface_(std::move(surface)),
       previous_diffusion_(particles.size(), Vector<dim>::Zero()) {
   particles.carried.push_back({"previous_diffusion", &previous_diffusion_});
 }
 
-template <int dim>
-void ViscosityEffect<dim>::add_acceleration(const State<dim>& state,
+template <int dim, class Law>
+void ViscosityEffect<dim, Law>::add_acceleration(const State<dim>& state,
                                             std::vector<Vector<dim>>& acceleration) {
   const auto& particles = state.particles;
   state.images.extend_for_viscosity(particles.velocity, extended_velocity_);
@@ -26,6 +27,7 @@ void ViscosityEffect<dim>::add_acceleration(const State<dim>& state,
   const double scale = -2.0 * nu_ * particles.volume;
   const std::size_t n = particles.unknowns;
   if (surface_) surface_->update(state);
+  law_.update(state, extended_velocity_);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
     const auto neighbours = state.support.of(i);
@@ -33,11 +35,13 @@ void ViscosityEffect<dim>::add_acceleration(const State<dim>& state,
     Vector<dim> sum = Vector<dim>::Zero();
     if (state.laplacian_correction.empty())
       for (std::size_t k = 0; k < neighbours.index.size(); ++k)
-        sum += neighbours.gradient_factor[k] * (u_i - extended_velocity_[neighbours.index[k]]);
+        sum += law_.of_pair(state, i, neighbours.index[k]) * neighbours.gradient_factor[k] *
+               (u_i - extended_velocity_[neighbours.index[k]]);
     else
       sum = corrected_sum(state, i, neighbours);
     if (surface_) sum += beyond_surface(state, i, neighbours);
-    const Vector<dim> diffusion = scale * sum;
+    Vector<dim> diffusion = scale * sum;
+    if constexpr (requires { law_.beside(i); }) diffusion -= nu_ * law_.beside(i);
     acceleration[i] -= now * diffusion - before * previous_diffusion_[i];
     previous_diffusion_[i] = diffusion;
   }
@@ -45,8 +49,8 @@ void ViscosityEffect<dim>::add_acceleration(const State<dim>& state,
 
 /// Each pair's term times e . (A_i + A_j)/2 e: symmetric, so momentum is kept, and of the right
 /// size on any distribution.
-template <int dim>
-Vector<dim> ViscosityEffect<dim>::corrected_sum(
+template <int dim, class Law>
+Vector<dim> ViscosityEffect<dim, Law>::corrected_sum(
     const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
   const auto& points = state.images.points();
   const auto& correction = state.laplacian_correction;
@@ -57,15 +61,16 @@ Vector<dim> ViscosityEffect<dim>::corrected_sum(
     const Vector<dim> r = points[i] - points[j];
     const double factor =
         0.5 * r.dot((correction[i] + correction[state.images.source(j)]) * r) / r.squaredNorm();
-    sum += factor * near.gradient_factor[k] * (u_i - extended_velocity_[j]);
+    sum += law_.of_pair(state, i, j) * factor * near.gradient_factor[k] *
+           (u_i - extended_velocity_[j]);
   }
   return sum;
 }
 
 /// What the pairs across a body's surface lack when the solid particle's own velocity is taken at
 /// its place.
-template <int dim>
-Vector<dim> ViscosityEffect<dim>::beyond_surface(
+template <int dim, class Law>
+Vector<dim> ViscosityEffect<dim, Law>::beyond_surface(
     const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
   const auto& particles = state.particles;
   const auto& points = state.images.points();
@@ -76,18 +81,21 @@ Vector<dim> ViscosityEffect<dim>::beyond_surface(
     if (j >= particles.unknowns || (j < particles.solids) == solid) continue;
     const std::size_t f = solid ? j : i, s = solid ? i : j;
     const double more = surface_->reach(f, points[f] - points[s]) - 1.0;
-    sum += more * near.gradient_factor[k] * (extended_velocity_[i] - extended_velocity_[j]);
+    sum += law_.of_pair(state, i, near.index[k]) * more * near.gradient_factor[k] *
+           (extended_velocity_[i] - extended_velocity_[j]);
   }
   return sum;
 }
 
-template <int dim>
-double ViscosityEffect<dim>::largest_time_step(const State<dim>& state) const {
+template <int dim, class Law>
+double ViscosityEffect<dim, Law>::largest_time_step(const State<dim>& state) const {
   const double h = state.kernel.smoothing_length();
-  return 0.125 * h * h / nu_;
+  return 0.125 * h * h / (nu_ * law_.largest_ratio());
 }
 
-template class ViscosityEffect<2>;
-template class ViscosityEffect<3>;
+template class ViscosityEffect<2, Newtonian<2>>;
+template class ViscosityEffect<3, Newtonian<3>>;
+template class ViscosityEffect<2, CarreauYasudaLaw<2>>;
+template class ViscosityEffect<3, CarreauYasudaLaw<3>>;
 
 }  // namespace sprung::sph

@@ -1,6 +1,7 @@
 #pragma once
 /// Viscous diffusion, the term D of Eq. 2, advanced by Adams-Bashforth.
 
+#include "sph/effects/carreau_yasuda.hpp"
 #include "sph/effects/roles.hpp"
 #include "sph/effects/solid_surface.hpp"
 
@@ -8,15 +9,25 @@
 
 namespace sprung::sph {
 
+/// The law of a fluid whose viscosity is the same everywhere. What it answers is known when the
+/// sweep is compiled, so the sweep is what it would be without a law.
 template <int dim>
+struct Newtonian {
+  void update(const State<dim>&, const std::vector<Vector<dim>>&) {}
+  static constexpr double of_pair(const State<dim>&, std::size_t, std::int32_t) { return 1.0; }
+  static constexpr double largest_ratio() { return 1.0; }
+};
+
+/// `Law`: Newtonian or CarreauYasudaLaw, viscosities over `kinematic_viscosity`.
+template <int dim, class Law = Newtonian<dim>>
 class ViscosityEffect final : public Acceleration<dim>, public TimeStepLimit<dim> {
  public:
   /// `kinematic_viscosity` in m2/s.
   /// `surface`: where the scene has bodies, the place of the no-slip condition on them; else null.
   ViscosityEffect(double kinematic_viscosity, Particles<dim>& particles,
-                  std::shared_ptr<SolidSurface<dim>> surface);
+                  std::shared_ptr<SolidSurface<dim>> surface, Law law = {});
   void add_acceleration(const State<dim>& state, std::vector<Vector<dim>>& acceleration) override;
-  /// 0.125 h^2 / nu (Morris, Fox & Zhu 1997).
+  /// 0.125 h^2 / nu with the largest viscosity that the law gives (Morris, Fox & Zhu 1997).
   double largest_time_step(const State<dim>& state) const override;
   std::string limit_name() const override { return "viscosity, 0.125 h^2/nu"; }
 
@@ -26,6 +37,7 @@ class ViscosityEffect final : public Acceleration<dim>, public TimeStepLimit<dim
   Vector<dim> beyond_surface(const State<dim>& state, std::size_t i,
                              const typename Support<dim>::Neighbours& near) const;
   double nu_;
+  Law law_;
   std::shared_ptr<SolidSurface<dim>> surface_;
   std::vector<Vector<dim>> previous_diffusion_;  ///< D of the step before, zero before the first
   std::vector<Vector<dim>> extended_velocity_;

@@ -106,8 +106,11 @@ def request(program: Path, scene: Path, arguments: list) -> str:
 
 
 class Runner:
-    def __init__(self, program: Path, threads: int, time_limit: float | None):
+    """Runs a solver; `verb` is what its command line begins with, nothing for the finite element reference."""
+
+    def __init__(self, program: Path, threads: int, time_limit: float | None, verb: list | None = None):
         self.program, self.threads, self.time_limit = program, threads, time_limit
+        self.verb = ["run"] if verb is None else verb
         self.child = None
         for number in (signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, lambda *_: sys.exit(130))
@@ -127,7 +130,7 @@ class Runner:
         asked.write_text(wanted)
         folder.with_name(folder.name + ".load").write_text(f"{os.getloadavg()[0]:.2f}\n")
         say(f"{label}: running")
-        code = self._call([self.program, "run", scene, *arguments, "--out", folder, *how, "--threads", self.threads])
+        code = self._call([self.program, *self.verb, scene, *arguments, "--out", folder, *how, "--threads", self.threads])
         if code in (0, 3):
             answered.write_text(wanted)
             return ""
@@ -154,7 +157,7 @@ def facts(record: Record, folder: Path) -> dict:
     """What a reader of the result wants to know of one run."""
     manifest = record.manifest
     load = folder.with_name(folder.name + ".load")
-    return {"outcome": manifest["outcome"], "particles": int(manifest["numbers"]["particles"]),
+    return {"outcome": manifest["outcome"], "particles": int(manifest["numbers"].get("particles", 0)),
             "steps": int(manifest["numbers"].get("steps", 0)), "time_step": manifest["numbers"]["time_step"],
             "processor_seconds": manifest["processor_seconds"], "wall_seconds": manifest["wall_seconds"],
             "peak_memory_bytes": manifest["peak_memory_bytes"], "threads": manifest["threads"],

@@ -35,6 +35,30 @@ std::string refusal(const std::string& tables, bool space = false) {
   return scene_error([&] { read(tables, space); });
 }
 
+// --- viscosity
+// ------------------------------------------------------------------------------------
+
+const std::string thinning =
+    "[viscosity]\ndynamic = \"1 Pa s\"\n[viscosity.carreau_yasuda]\nhigh_shear = \"10 mPa s\"\n"
+    "relaxation_time = \"2 s\"\npower = 0.5\n";
+
+TEST(CarreauYasudaTable, IsRead) {
+  const auto viscosity = read(thinning + "transition = 2.0\n").viscosity.value();
+  EXPECT_DOUBLE_EQ(viscosity.dynamic, 1.0);
+  const auto& law = viscosity.carreau_yasuda.value();
+  EXPECT_DOUBLE_EQ(law.high_shear, 0.01);
+  EXPECT_DOUBLE_EQ(law.relaxation_time, 2.0);
+  EXPECT_DOUBLE_EQ(law.power, 0.5);
+  EXPECT_DOUBLE_EQ(law.transition, 2.0);
+  EXPECT_FALSE(read("[viscosity]\ndynamic = \"1 Pa s\"\n").viscosity->carreau_yasuda);
+}
+
+TEST(CarreauYasudaTable, Refusals) {
+  EXPECT_EQ(refusal(thinning + "transition = 0.0\n"),
+            "s.toml:14: [viscosity.carreau_yasuda] transition = 0.0: must be positive");
+  EXPECT_NE(refusal(thinning).find("transition"), std::string::npos);
+}
+
 // --- periodic
 // -------------------------------------------------------------------------------------
 

@@ -63,7 +63,38 @@ def momentum_residual(flow, places, t, nu, density=2.0):
     return residual
 
 
+def thinning(power: float, relaxation_time: float = 1.0, high: float = 0.001) -> dict:
+    law = {"high_shear": f"{high} Pa s", "relaxation_time": f"{relaxation_time} s", "power": power, "transition": 2.0}
+    return {"viscosity": {"dynamic": "0.2 Pa s", "carreau_yasuda": law}}
+
+
 PLACES = np.random.default_rng(7).random((40, 3))
+
+
+class CarreauYasuda(unittest.TestCase):
+    def test_a_power_of_one_is_the_newtonian_parabola(self):
+        flow = exact.CarreauYasudaChannel(scene(SQUARE, 0.1, **(pushed(0.8) | thinning(1.0))))
+        y = PLACES[:, 1]
+        self.assertLess(np.max(np.abs(flow.velocity(PLACES, 0.0)[:, 0] - 4.0 * y * (1.0 - y))), 1e-6)
+
+    def test_a_long_relaxation_time_is_the_power_law_fluid(self):
+        # mu = K G^(n-1), K = mu0 t^(n-1): u(H/2) = n/(n+1) (rho g / K)^(1/n) (H/2)^((n+1)/n) (Bird, Stewart, Lightfoot).
+        n, time = 0.5, 1e4
+        flow = exact.CarreauYasudaChannel(scene(SQUARE, 0.1, **(pushed(0.8) | thinning(n, time, high=1e-12))))
+        peak = n / (n + 1.0) * (1.6 / (0.2 * time ** (n - 1.0))) ** (1.0 / n) * 0.5 ** ((n + 1.0) / n)
+        found = flow.velocity(np.array([[0.0, 0.5, 0.0]]), 0.0)[0, 0]
+        self.assertAlmostEqual(found / peak, 1.0, delta=1e-4)
+
+    def test_the_force_is_the_divergence_of_the_stress(self):
+        flow = exact.CarreauYasudaChannel(scene(SQUARE, 0.1, **(pushed(0.8) | thinning(0.4))))
+        y = np.linspace(0.05, 0.45, 9)
+
+        def stress(at):
+            rate = derivative(flow.velocity, np.column_stack([at, at, 0.0 * at]), 0.0, axis=1, step=2e-3)[:, 0]
+            return np.array([flow.viscosity(g) for g in rate]) * rate
+
+        push = -(stress(y + 0.01) - stress(y - 0.01)) / 0.02
+        self.assertLess(np.max(np.abs(push / 1.6 - 1.0)), 2e-3)  # steps of 0.01 and 0.002 m
 
 
 class Channels(unittest.TestCase):

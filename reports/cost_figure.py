@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""cost_figure.py TABLE MANIFEST PICTURE: error against processor time and memory, from a cost study's table.
+
+Lines join the points of one curve; the thick ones are the fronts, the settings that no other of the same solver beats
+in both. The grey band is the truth's own error: no point in it is told apart from a perfect one. Bars are the least
+and the most of the repeats.
+"""
+
+import csv
+import json
+import math
+import sys
+from pathlib import Path
+
+import style  # chooses matplotlib's backend
+
+import matplotlib.pyplot as plt  # noqa: E402
+
+COLOURS = {"particles": "#c1272d", "reference": style.REFERENCE}
+WORDS = {"particles": "particles", "reference": "finite elements"}
+MARKS = "osD^vP*X<>"
+
+
+def read(file: Path) -> list[dict]:
+    rows = list(csv.DictReader(line for line in file.read_text().splitlines() if not line.startswith("#")))
+    return [row for row in rows if row["error"] and row["processor_seconds"]]
+
+
+def front(rows: list[dict], cost: str) -> list[tuple[float, float]]:
+    best, least = [], math.inf
+    for x, y in sorted((float(row[cost]), float(row["error"])) for row in rows):
+        if y < least:
+            best.append((x, y))
+            least = y
+    return best
+
+
+def draw_panel(panel, rows: list[dict], about: dict, cost: str, bars: bool) -> None:
+    for number, curve in enumerate(dict.fromkeys(row["curve"] for row in rows)):
+        own = [row for row in rows if row["curve"] == curve]
+        x, y = [float(row[cost]) for row in own], [float(row["error"]) for row in own]
+        colour = COLOURS[own[0]["solver"]] if curve in ("spacing", "reference") else style.FURTHER[number % len(style.FURTHER)]
+        reach = None
+        if bars:
+            reach = [[a - float(row[f"{cost}_least"]) for a, row in zip(x, own)],
+                     [float(row[f"{cost}_most"]) - a for a, row in zip(x, own)]]
+        panel.errorbar(x, y, xerr=reach, color=colour, marker=MARKS[number % len(MARKS)], markersize=4, linewidth=0.7,
+                       elinewidth=0.8, label=f"{curve}: {about['curves'][curve]}")
+    for solver, colour in COLOURS.items():
+        points = front([row for row in rows if row["solver"] == solver], cost)
+        panel.plot(*zip(*points), color=colour, linewidth=2.6, alpha=0.35, zorder=0) if points else None
+    floor = max(about["truth_error"].values())
+    panel.set(xscale="log", yscale="log")
+    low = 0.5 * min([float(row["error"]) for row in rows] + ([floor] if floor > 0.0 else []))
+    panel.set_ylim(bottom=low)
+    if floor > 0.0:
+        panel.axhspan(low, floor, color="#d9d9d9", zorder=-1)
+        panel.text(0.99, floor, "the truth's own error ", ha="right", va="top", fontsize=7,
+                   transform=panel.get_yaxis_transform())
+
+
+def draw(rows: list[dict], about: dict, file: Path) -> None:
+    figure, (left, right) = plt.subplots(1, 2, figsize=(1.25 * style.WIDTH, 5.2), layout="constrained", sharey=True)
+    draw_panel(left, rows, about, "processor_seconds", bars=True)
+    draw_panel(right, rows, about, "memory_MB", bars=False)
+    left.set(xlabel="processor time [s], one thread", ylabel="error (largest of all quantities)", title=about["title"])
+    right.set(xlabel="memory [MB], largest resident set", title="the same by memory")
+    commits = "; ".join(f"{WORDS[solver]} {', '.join(c[:7] for c in those)}" for solver, those in about["commits"].items())
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", fontsize=7.5, ncols=1)
+    right.text(1.0, 1.02, f"commits: {commits}; {', '.join(about['processor'])}", fontsize=6.5, ha="right",
+               transform=right.transAxes)
+    beside = file.with_name("new_" + file.name)
+    figure.savefig(beside)
+    plt.close(figure)
+    beside.replace(file)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 4 or not all(Path(name).exists() for name in sys.argv[1:3]):
+        sys.exit("cost_figure.py takes the table and the manifest of ./sprung study cost, and the picture to write")
+    measured = read(Path(sys.argv[1]))
+    if not measured:
+        sys.exit("cost_figure.py: no point of the table has an error and a time: nothing to draw")
+    draw(measured, json.loads(Path(sys.argv[2]).read_text()), Path(sys.argv[3]))
