@@ -9,7 +9,8 @@ namespace sprung::calibration {
 
 template <int dim>
 double find_equilibrium(sph::ElasticNetwork<dim> network, sph::Particles<dim>& particles,
-                        const std::vector<sph::Vector<dim>>& load, double tolerance) {
+                        const std::vector<sph::Vector<dim>>& load, double tolerance,
+                        const std::function<void(std::vector<sph::Vector<dim>>&)>& keep) {
   using sph::Vector;
   const std::size_t n = network.movable;
   const double mass = particles.mass();
@@ -51,6 +52,7 @@ double find_equilibrium(sph::ElasticNetwork<dim> network, sph::Particles<dim>& p
     // velocity = dt (M + g dt^2 K)^-1 (F + f), so dx = g dt velocity with the solver's g = 1/2.
     for (std::size_t i = 0; i < n; ++i)
       state.particles.position[i] += 0.5 * time_step * state.particles.velocity[i];
+    if (keep) keep(state.particles.position);
   }
   throw std::runtime_error(fmt::format(
       "no static equilibrium: unbalanced force {:.3g} of the load after 60 Newton steps; "
@@ -59,8 +61,10 @@ double find_equilibrium(sph::ElasticNetwork<dim> network, sph::Particles<dim>& p
 }
 
 template double find_equilibrium<2>(sph::ElasticNetwork<2>, sph::Particles<2>&,
-                                    const std::vector<sph::Vector<2>>&, double);
+                                    const std::vector<sph::Vector<2>>&, double,
+                                    const std::function<void(std::vector<sph::Vector<2>>&)>&);
 template double find_equilibrium<3>(sph::ElasticNetwork<3>, sph::Particles<3>&,
-                                    const std::vector<sph::Vector<3>>&, double);
+                                    const std::vector<sph::Vector<3>>&, double,
+                                    const std::function<void(std::vector<sph::Vector<3>>&)>&);
 
 }  // namespace sprung::calibration

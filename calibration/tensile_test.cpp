@@ -42,17 +42,42 @@ std::array<int, dim> cube(int layers) {
 
 /// Force on each particle, N (N/m in the plane): + load on the last layer, - load on the first.
 template <int dim>
-std::vector<Vector<dim>> end_forces(const Pull& pull, double spacing) {
-  const auto count = cube<dim>(pull.layers);
-  std::vector<Vector<dim>> force(static_cast<std::size_t>(std::lround(std::pow(pull.layers, dim))),
-                                 Vector<dim>::Zero());
-  const double size = pull.load * spring_stiffness * std::pow(spacing, dim - 1);
+std::vector<Vector<dim>> end_forces(double load, const std::array<int, dim>& count,
+                                    double spacing) {
+  std::size_t particles = 1;
+  for (const int n : count) particles *= static_cast<std::size_t>(n);
+  std::vector<Vector<dim>> force(particles, Vector<dim>::Zero());
+  const double size = load * spring_stiffness * std::pow(spacing, dim - 1);
   for (std::size_t i = 0; i < force.size(); ++i) {
     const int along = lattice_place<dim>(i, count)[0];
     if (along == 0) force[i][0] = -size;
-    if (along == pull.layers - 1) force[i][0] = size;
+    if (along == count[0] - 1) force[i][0] = size;
   }
   return force;
+}
+
+/// Makes the displacement from `rest` that of a body in even load: mirrored about each axis's
+/// middle it is the same. A free body that is pushed by forces of fixed direction turns over if it
+/// is let (a rotation gains work), from nothing but rounding.
+template <int dim>
+void make_even(const std::vector<Vector<dim>>& rest, const std::array<int, dim>& count,
+               std::vector<Vector<dim>>& position) {
+  std::size_t stride = 1;
+  for (int axis = 0; axis < dim; ++axis) {
+    const int n = count[axis];
+    for (std::size_t i = 0; i < position.size(); ++i) {
+      const int across = n - 1 - 2 * lattice_place<dim>(i, count)[axis];
+      if (across < 0) continue;
+      const std::size_t j = i + static_cast<std::size_t>(across) * stride;
+      const Vector<dim> a = position[i] - rest[i], b = position[j] - rest[j];
+      Vector<dim> even = 0.5 * (a + b);
+      even[axis] = 0.5 * (a[axis] - b[axis]);
+      position[i] = rest[i] + even;
+      even[axis] = -even[axis];
+      position[j] = rest[j] + even;
+    }
+    stride *= static_cast<std::size_t>(n);
+  }
 }
 
 /// Change of the distance between two layers over the distance at rest.
@@ -119,7 +144,7 @@ class LoadedBlock {
         std::move(network), particles,
         implicit ? sph::SpringIntegration::implicit_force : sph::SpringIntegration::explicit_force);
     springs_ = springs.get();
-    auto load = end_forces<dim>(pull, spacing);
+    auto load = end_forces<dim>(pull.load, cube<dim>(pull.layers), spacing);
     for (auto& f : load) f /= mass_;
     // Half of critical for the slowest stretching mode, omega = pi c / L, c = sqrt(3 k_e/rho) or
     // more slowly.
@@ -263,31 +288,48 @@ HeldBlock hold_block(const Material& material, const Pull& pull, double seconds)
 }
 
 template <int dim>
-std::vector<PulledBlock> pull_network_through(const Material& material, const Pull& pull,
-                                              std::span<const double> loads) {
+PulledBlock pull_network(const Material& material, const Pull& pull) {
   const double spacing = side / pull.layers;
-  auto particles = block<dim>(cube<dim>(pull.layers), spacing);
+  const auto count = cube<dim>(pull.layers);
+  auto particles = block<dim>(count, spacing);
   const auto rest = particles.position;
-  const auto network = network_of<dim>(particles, shape_of<dim>(cube<dim>(pull.layers), spacing),
-                                       material, pull.surface_correction);
-  std::vector<PulledBlock> results;
-  for (const double load : loads) {
-    Pull now = pull;
-    now.load = load;
-    const double unbalanced =
-        find_equilibrium<dim>(network, particles, end_forces<dim>(now, spacing), pull.unbalanced);
-    results.push_back(measure<dim>(rest, particles.position, pull.layers));
-    results.back().unbalanced = unbalanced;
-  }
-  return results;
+  const auto network =
+      network_of<dim>(particles, shape_of<dim>(count, spacing), material, pull.surface_correction);
+  double unbalanced = 0.0;
+  for (int step = 1; step <= pull.load_steps; ++step)
+    unbalanced = find_equilibrium<dim>(
+        network, particles, end_forces<dim>(pull.load * step / pull.load_steps, count, spacing),
+        1e-8, [&](std::vector<Vector<dim>>& position) { make_even<dim>(rest, count, position); });
+  PulledBlock result = measure<dim>(rest, particles.position, pull.layers);
+  result.unbalanced = unbalanced;
+  return result;
 }
 
 template <int dim>
-PulledBlock pull_network(const Material& material, const Pull& pull) {
-  std::vector<double> loads;
-  for (int step = 1; step <= pull.load_steps; ++step)
-    loads.push_back(pull.load * step / pull.load_steps);
-  return pull_network_through<dim>(material, pull, loads).back();
+std::vector<double> pull_bar(const Material& material, int layers,
+                             const std::vector<double>& loads) {
+  std::array<int, dim> count = cube<dim>(layers);
+  count[0] = 4 * layers;
+  const double spacing = side / count[0];
+  auto particles = block<dim>(count, spacing);
+  const auto rest = particles.position;
+  const auto network = network_of<dim>(particles, shape_of<dim>(count, spacing), material, true);
+  const auto mean_place = [&](int along) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < rest.size(); ++i)
+      if (lattice_place<dim>(i, count)[0] == along) sum += particles.position[i][0];
+    return sum * count[0] / static_cast<double>(rest.size());
+  };
+  std::vector<double> stretches;
+  for (const double load : loads) {
+    // Bonds that push lose part of their tangent, so the last digits would come slowly.
+    find_equilibrium<dim>(
+        network, particles, end_forces<dim>(load, count, spacing), 1e-5,
+        [&](std::vector<Vector<dim>>& position) { make_even<dim>(rest, count, position); });
+    stretches.push_back((mean_place(3 * layers - 1) - mean_place(layers)) /
+                        ((2 * layers - 1) * spacing));
+  }
+  return stretches;
 }
 
 template double kernel_sum_poisson_ratio<2>(double, double);
@@ -296,10 +338,8 @@ template PulledBlock pull_by_particle_solver<2>(const Material&, const Pull&);
 template PulledBlock pull_by_particle_solver<3>(const Material&, const Pull&);
 template HeldBlock hold_block<2>(const Material&, const Pull&, double);
 template HeldBlock hold_block<3>(const Material&, const Pull&, double);
-template std::vector<PulledBlock> pull_network_through<2>(const Material&, const Pull&,
-                                                          std::span<const double>);
-template std::vector<PulledBlock> pull_network_through<3>(const Material&, const Pull&,
-                                                          std::span<const double>);
+template std::vector<double> pull_bar<2>(const Material&, int, const std::vector<double>&);
+template std::vector<double> pull_bar<3>(const Material&, int, const std::vector<double>&);
 template PulledBlock pull_network<2>(const Material&, const Pull&);
 template PulledBlock pull_network<3>(const Material&, const Pull&);
 

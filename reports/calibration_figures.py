@@ -254,9 +254,9 @@ def stress_strain(rows: list[dict], by_reference: list[dict]):
             left.plot(100 * strain, column(judged, "reference_over_g"), "x", color=colour, ms=4)
             right.plot(100 * strain, column(judged, "lattice_over_g") / column(judged, "reference_over_g"), "x",
                        color=colour, ms=4)
-    pulled = [row for row in where(rows, dimension=3, deformation="uniaxial") if row["cube_over_g"] != ""]
-    left.plot(100 * (column(pulled, "stretch") - 1), column(pulled, "cube_over_g"), "o", color="black", ms=3.5,
-              mfc="none", label="uniaxial: cube through the network")
+    pulled = [row for row in where(rows, dimension=3, deformation="uniaxial") if row["bar_over_g"] != ""]
+    left.plot(100 * (column(pulled, "stretch") - 1), column(pulled, "bar_over_g"), "o", color="black", ms=3.5,
+              mfc="none", label="uniaxial: bar of 4 layers through the network")
     left.plot([], [], ":", color="grey", label="neo-Hookean, closed form")
     if by_reference:
         for axes in (left, right):

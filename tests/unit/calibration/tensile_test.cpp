@@ -1,6 +1,7 @@
 // Blocks pulled through sph/: by the particle solver and by the network alone.
 #include "calibration/bulk_modulus.hpp"
 #include "calibration/equilibrium.hpp"
+#include "calibration/finite_strain.hpp"
 
 #include <gtest/gtest.h>
 
@@ -58,17 +59,21 @@ TEST(PulledBlock, PushedAndPulledAgreeForSmallLoads) {
       -1.0, 1e-3);
 }
 
-TEST(PulledBlock, IsTheSameWhicheverWayItsLoadIsReached) {
-  Pull pull;
-  pull.layers = 8;
-  pull.surface_correction = true;
-  pull.load = 0.1;
-  pull.load_steps = 2;
-  const Material material{2, isotropic, 300.0};
-  const std::vector<double> loads{0.2, 0.1};  // beyond, and back
-  const auto back = pull_network_through<2>(material, pull, loads).back();
-  // Newton's tolerance of 1e-8 of the load.
-  EXPECT_NEAR(back.core_axial / pull_network<2>(material, pull).core_axial, 1.0, 1e-6);
+TEST(PulledBar, BeginsToStretchAsTheLattice) {
+  const Material lattice{2, isotropic, 0.0}, material{2, isotropic, 300.0};
+  for (const double s : {1.004, 0.996}) {
+    const double stress = lattice_stress(lattice, Deformation::uniaxial, s) / spring_stiffness;
+    // 0.4 % of a plate (plate_test.cpp), and the strain, of which the next term is.
+    EXPECT_NEAR((pull_bar<2>(material, 4, {stress}).back() - 1.0) / (s - 1.0), 1.0, 8e-3) << s;
+  }
+}
+
+TEST(PulledBar, PushedDoesNotTurnOver) {
+  // A free body under forces that push keeps its equilibrium only where nothing turns it; let, it
+  // came to rest head over heels, with a "stretch" of -1.09.
+  const auto stretch = pull_bar<2>({2, isotropic, 300.0}, 4, {-0.1, -0.2, -0.3});
+  for (const double s : stretch) EXPECT_GT(s, 0.8);
+  EXPECT_LT(stretch[2], stretch[1]);
 }
 
 TEST(PoissonRatio, OfTheSolidThatKeepsItsVolumeIsOneHalf) {
