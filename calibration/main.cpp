@@ -389,10 +389,11 @@ int hold(const Arguments& a) {
   for (const Material& material : materials)
     for (const double load : {1e-2, 1e-1}) {
       Pull pull;
-      // The pressure equation does not see within its support, 2.6 dx, of a free face as it does
-      // inside; the core, n/4 from every face, must lie beyond.
+      // Near a free face the pressure equation lacks neighbours; the core, n/4 from every face,
+      // must lie beyond its support.
       pull.surface_correction = material.area_stiffness > 0.0;
-      pull.layers = material.dimension == 2 ? 20 : pull.surface_correction ? 8 : 16;
+      pull.smoothing_length_ratio = material.dimension == 3 ? 1.0 : 1.3;
+      pull.layers = material.dimension == 2 ? 20 : pull.surface_correction ? 8 : 12;
       pull.load = load;
       pull.tolerance = 1e-5;
       const HeldBlock held = material.dimension == 3 ? hold_block<3>(material, pull, a.seconds)
@@ -410,7 +411,8 @@ int hold(const Arguments& a) {
        "Blocks of n layers along each axis pulled by the particle solver in vacuum (load: force "
        "on a particle of an end layer over k_e dx^(dimension-1)), brought to rest by damping "
        "and then held; k_e/density = 10 m2/s2. Without volume springs the pressure equation "
-       "with density feedback keeps the volume, springs explicit; with them springs implicit, "
+       "with density feedback keeps the volume (h = 1.3 dx, in space dx), springs explicit; with "
+       "them springs implicit, "
        "no feedback, bonds corrected at the surface. Poisson's ratio of the core, -ln(lateral "
        "stretch)/ln(stretch), in the "
        "plane r/(1+r) of that. Volume: of the lattice cells.",
