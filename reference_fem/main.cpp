@@ -65,7 +65,9 @@ int main(int argc, char** argv) {
       "  sprung-reference beam.toml --out results/reference --converge\n"
       "  sprung-reference beam.toml --out results/reference --resume\n\n"
       "Exit codes: 0 finished; 1 the scene or a file is not usable; 2 the command line is not "
-      "understood;\n3 the run stopped itself, its record whole up to there."};
+      "understood;\n3 the run stopped itself, its record whole up to there; 128 + number: a signal "
+      "stopped it, "
+      "--resume\ncontinues."};
   Arguments a;
   declare(app, a);
   return run_program(app, argc, argv, [&] {
@@ -74,6 +76,9 @@ int main(int argc, char** argv) {
     } catch (const reference::RunStopped& error) {
       fmt::print(stderr, "error: {}\n", error.what());
       return 3;
+    } catch (const reference::RunInterrupted& interrupted) {
+      fmt::print(stderr, "{}\n", interrupted.what());
+      return 128 + interrupted.signal();
     }
   });
 }

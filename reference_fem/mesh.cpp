@@ -3,8 +3,10 @@
 #include "scene/gmsh_session.hpp"
 
 #include "reference_fem/cylinder_mesh.hpp"
+#include "reference_fem/unstructured_mesh.hpp"
 
 #include <deal.II/grid/grid_tools.h>
+#include <deal.II/grid/manifold_lib.h>
 
 #include <algorithm>
 #include <array>
@@ -232,9 +234,14 @@ void collect_cells(const std::vector<std::vector<int>>& surfaces,
       vertices[place->second] = {coordinates[3 * i], coordinates[3 * i + 1]};
 }
 
-/// Gives every face on the plane's border the id of its side. A face on the border of the mesh but
-/// not of the plane would be a crack.
-void name_sides(const Box& channel, dealii::Triangulation<2>& mesh) {
+/// Gives every face on the plane's border the id of its side or wall; splitting keeps round walls
+/// round. A face on the border of the mesh but of nothing else would be a crack.
+void name_sides(const Problem& problem, bool bodies_only, dealii::Triangulation<2>& mesh) {
+  const Box& channel = problem.channel;
+  for (std::size_t i = 0; i < problem.curved_walls.size(); ++i)
+    if (const CurvedWall& wall = problem.curved_walls[i]; wall.shape == CurvedWall::Shape::circle)
+      mesh.set_manifold(static_cast<unsigned>(i) + 1,
+                        dealii::SphericalManifold<2>({wall.centre[0], wall.centre[1]}));
   for (const auto& face : mesh.active_face_iterators()) {
     if (!face->at_boundary()) continue;
     const auto x = face->center();
@@ -244,6 +251,17 @@ void name_sides(const Box& channel, dealii::Triangulation<2>& mesh) {
         face->set_boundary_id(static_cast<unsigned>(side));
         named = true;
       }
+    if (const int wall = wall_through(problem, face->vertex(0), face->vertex(1));
+        !named && wall >= 0) {
+      face->set_boundary_id(obstacle_id + static_cast<unsigned>(wall));
+      if (problem.curved_walls[static_cast<std::size_t>(wall)].shape == CurvedWall::Shape::circle)
+        face->set_manifold_id(static_cast<unsigned>(wall) + 1);
+      named = true;
+    }
+    if (!named && bodies_only) {
+      face->set_boundary_id(free_id);
+      named = true;
+    }
     if (!named)
       throw std::runtime_error("the mesh has a crack at x = " + std::to_string(x[0]) +
                                " m, y = " + std::to_string(x[1]) +
@@ -293,21 +311,23 @@ MeshSizes coarsened(MeshSizes sizes) {
 
 MeshQuality make_mesh(const Problem& problem, const MeshSizes& sizes,
                       dealii::Triangulation<2>& mesh) {
-  if (!problem.curved_walls.empty()) {
-    const auto blocks = cylinder_in_channel(problem, sizes.bodies_only);
-    if (!blocks)
-      throw std::runtime_error(
-          "the reference meshes curved walls only as one circle with at most one flag behind it");
-    make_cylinder_mesh(*blocks, sizes, mesh);
+  const auto cylinder = sizes.unstructured || problem.curved_walls.empty()
+                            ? std::nullopt
+                            : cylinder_in_channel(problem, sizes.bodies_only);
+  if (cylinder) {
+    make_cylinder_mesh(*cylinder, sizes, mesh);
     return check_quality(mesh);
   }
+  const bool blocks = problem.curved_walls.empty() && !sizes.bodies_only && !sizes.unstructured;
   std::vector<dealii::Point<2>> vertices;
   std::vector<dealii::CellData<2>> cells;
   {
     const GmshSession session;
     gmsh::model::add("scene");
     try {
-      collect_cells(build_blocks(problem, coarsened(sizes)), vertices, cells);
+      collect_cells(blocks ? build_blocks(problem, coarsened(sizes))
+                           : build_unstructured(problem, coarsened(sizes)),
+                    vertices, cells);
     } catch (const std::string& error) {  // as Gmsh throws
       throw std::runtime_error("Gmsh could not mesh the scene (" + error +
                                "); change reference_fem.cell_size a little");
@@ -316,7 +336,7 @@ MeshQuality make_mesh(const Problem& problem, const MeshSizes& sizes,
   dealii::GridTools::consistently_order_cells(cells);
   dealii::GridTools::invert_all_negative_measure_cells(vertices, cells);
   mesh.create_triangulation(vertices, cells, dealii::SubCellData());
-  name_sides(problem.channel, mesh);
+  name_sides(problem, sizes.bodies_only, mesh);
   mesh.refine_global(static_cast<unsigned>(sizes.splittings));
   return check_quality(mesh);
 }

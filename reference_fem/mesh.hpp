@@ -1,7 +1,9 @@
 #pragma once
-/// The finite element mesh of a plane scene: blocks of quadrilaterals by Gmsh, conforming to every
-/// body, graded towards clamped and free corners, checked before anyone computes on it. Meshes that
-/// differ only in their splittings are nested, which is what extrapolation needs.
+/// The finite element mesh of a plane scene: quadrilaterals by Gmsh, conforming to every body and
+/// wall, graded towards clamped and free corners, checked before anyone computes on it. They stand
+/// in blocks where the scene allows that (bodies along the axes; one cylinder with at most one
+/// flag, cylinder_mesh.hpp), unstructured otherwise (unstructured_mesh.hpp). Meshes that differ
+/// only in their splittings are nested, which is what extrapolation needs.
 
 #include "scene/problem.hpp"
 
@@ -18,7 +20,8 @@ struct MeshSizes {
   double face = 0.0;
   double growth = 0.0;  ///< ratio of neighbours in Gmsh's mesh
   int splittings = 0;  ///< Gmsh makes cells 2^splittings larger, each then split so often into four
-  bool bodies_only = false;  ///< leave the fluid out
+  bool bodies_only = false;   ///< leave the fluid out
+  bool unstructured = false;  ///< no blocks, even where they fit
 };
 
 /// Material id of a cell: 0 is fluid, i + 1 is Problem::solids[i].

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace sprung::reference {
 namespace {
@@ -68,9 +69,38 @@ void Secants::learn(const Pair& x, const Pair& d) {
       {difference(x.velocity, last_x_.velocity), difference(x.pressure, last_x_.pressure)});
   dd_.push_back(
       {difference(d.velocity, last_d_.velocity), difference(d.pressure, last_d_.pressure)});
+  append_gram_row();
+}
+
+/// Inner products of the newest entry of dd_ with all up to itself.
+void Secants::append_gram_row() {
+  const Pair& newest = dd_[gram_.size()];
   std::vector<double> row;
-  for (const Pair& pair : dd_) row.push_back(dot(dd_.back().velocity, pair.velocity));
+  for (std::size_t i = 0; i <= gram_.size(); ++i)
+    row.push_back(dot(newest.velocity, dd_[i].velocity));
   gram_.push_back(std::move(row));
+}
+
+void Secants::save(Archive& archive) const {
+  for (std::size_t i = 0; i < dx_.size(); ++i) {
+    const std::string name = "secants/" + std::to_string(i) + "/";
+    archive[name + "dx_velocity"] = dx_[i].velocity;
+    archive[name + "dx_pressure"] = dx_[i].pressure;
+    archive[name + "dd_velocity"] = dd_[i].velocity;
+    archive[name + "dd_pressure"] = dd_[i].pressure;
+  }
+}
+
+void Secants::restore(const Archive& archive) {
+  clear();
+  for (std::size_t i = 0; archive.contains("secants/" + std::to_string(i) + "/dx_velocity"); ++i) {
+    const auto read = [&](const char* what) {
+      return std::get<std::vector<double>>(archive.at("secants/" + std::to_string(i) + "/" + what));
+    };
+    dx_.push_back({read("dx_velocity"), read("dx_pressure")});
+    dd_.push_back({read("dd_velocity"), read("dd_pressure")});
+    append_gram_row();
+  }
 }
 
 void Secants::accelerate(const std::vector<double>& velocity, const std::vector<double>& pressure,

@@ -5,6 +5,8 @@
 /// in the next ones, as long as the matrix is the same (quasi-Newton with reuse: Degroote, Bathe
 /// and Vierendeels 2009).
 
+#include "scene/record.hpp"
+
 #include <vector>
 
 namespace sprung::reference {
@@ -19,6 +21,9 @@ class Secants {
   void begin_stage() { has_last_ = false; }
   /// Forgets everything: the matrix, and with it d, is another one.
   void clear();
+  /// What was learned, oldest first, as arrays "secants/..." of a checkpoint.
+  void save(Archive& archive) const;
+  void restore(const Archive& archive);
 
  private:
   static constexpr std::size_t most = 12;
@@ -26,6 +31,7 @@ class Secants {
     std::vector<double> velocity, pressure;
   };
   void learn(const Pair& x, const Pair& d);
+  void append_gram_row();
   std::vector<double> coefficients(const std::vector<double>& target) const;
 
   bool has_last_ = false;

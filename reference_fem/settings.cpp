@@ -75,6 +75,12 @@ void refuse_missing_effects(const Document& document, const Problem& problem) {
       document.table("curved_wall." + wall.name)
           .refuse("slip",
                   "the finite element reference has only no-slip curved walls; write \"no_slip\"");
+  for (const CurvedWall& wall : problem.curved_walls)
+    if (wall.shape != CurvedWall::Shape::circle && wall.shape != CurvedWall::Shape::polygon)
+      document.table("curved_wall." + wall.name)
+          .refuse("",
+                  "the finite element reference meshes circles and polygons; give one of them, or "
+                  "use the particle solver");
   if (problem.curved_walls.size() > most_obstacles)
     document.root().refuse(
         "curved_wall",
@@ -117,6 +123,8 @@ Settings read_settings(Document& document, const Problem& problem) {
   const Table table = document.table("reference_fem");
   Settings settings;
   settings.sizes = read_sizes(table, problem);
+  settings.sizes.unstructured =
+      table.word_or("mesh", {"blocks", "unstructured"}, "blocks") == "unstructured";
   settings.sizes.bodies_only = table.flag_or("bodies_only", false);
   if (settings.sizes.bodies_only && problem.solids.empty())
     table.refuse("bodies_only", "the scene has no body; add one, such as [solid.beam]");

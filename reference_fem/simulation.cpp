@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 
 namespace sprung::reference {
 namespace {
@@ -148,7 +149,8 @@ void Simulation::save(Archive& archive) const {
                                          integration_->speed_scale()};
   const Effort& effort = integration_->effort();
   archive["effort"] = std::vector<std::int64_t>{effort.steps, effort.stages, effort.iterations,
-                                                effort.factorizations};
+                                                effort.factorizations, effort.halvings};
+  integration_->save(archive);
 }
 
 void Simulation::restore(const Archive& archive) {
@@ -177,6 +179,8 @@ void Simulation::restore(const Archive& archive) {
   Effort& mine = integration_->effort();
   mine.steps = effort.at(0), mine.stages = effort.at(1);
   mine.iterations = effort.at(2), mine.factorizations = effort.at(3);
+  if (effort.size() > 4) mine.halvings = effort[4];
+  integration_->restore(archive);
 }
 
 namespace {
@@ -221,12 +225,26 @@ void write_numbers(Simulation& simulation, RecordWriter& record) {
   number("stages", effort.stages);
   number("newton_iterations", effort.iterations);
   number("factorizations", effort.factorizations);
+  number("newton_halvings", effort.halvings);
   number("factor_entries", system.factor_entries());
 }
 
-/// Everything that must agree between the files on disk, as they stand at one time.
+/// Set by a signal: the run ends after the step under way and leaves a checkpoint.
+volatile std::sig_atomic_t asked_to_stop = 0;
+
+/// A second signal ends the process at once.
+void ask_to_stop(int number) {
+  asked_to_stop = number;
+  std::signal(number, SIG_DFL);
+}
+
+const char* name_of(int number) {
+  return number == SIGTERM ? "SIGTERM" : number == SIGINT ? "SIGINT" : "SIGHUP";
+}
+
+/// Everything that must agree between the files on disk, as they stand at one time. A matrix that
+/// is not forgotten before is stored.
 void checkpoint(Simulation& simulation, const Measurements& measurements, RecordWriter& record) {
-  simulation.integration().forget_matrix();
   Archive archive;
   simulation.save(archive);
   measurements.save(archive);
@@ -248,6 +266,12 @@ std::string march(Simulation& simulation, Measurements& measurements, RecordWrit
   for (const double event : simulation.events()) {
     if (event < state.time || same(state.time, event)) continue;  // before the resumption
     while (state.time < event) {
+      if (asked_to_stop != 0) {
+        checkpoint(simulation, measurements, record);
+        throw RunInterrupted(fmt::format("stopped by {} at t = {:.6g} s; --resume continues there",
+                                         name_of(asked_to_stop), state.time),
+                             asked_to_stop);
+      }
       try {
         simulation.advance(event);
       } catch (const std::runtime_error& error) {
@@ -268,6 +292,7 @@ std::string march(Simulation& simulation, Measurements& measurements, RecordWrit
     if (std::any_of(wanted.begin(), wanted.end(), [&](double t) { return same(state.time, t); }))
       measurements.at(state.time, state);
     if (!simulation.is_checkpoint(state.time) && !same(state.time, end)) continue;
+    simulation.integration().forget_matrix();
     checkpoint(simulation, measurements, record);
     if (options.until > 0.0 && state.time >= options.until) break;
   }
@@ -298,7 +323,15 @@ Outcome run(const Document& document, const Problem& problem, const Settings& se
   else
     measurements.each_step(simulation.state(), {}, {});
   write_numbers(simulation, record);
-  const std::string stopped = march(simulation, measurements, record, options);
+  asked_to_stop = 0;
+  for (const int number : {SIGTERM, SIGINT, SIGHUP}) std::signal(number, ask_to_stop);
+  std::string stopped;
+  try {
+    stopped = march(simulation, measurements, record, options);
+  } catch (const RunInterrupted& interrupted) {
+    record.finish(interrupted.what());
+    throw;
+  }
   write_numbers(simulation, record);
   std::vector<std::pair<std::string, double>> cost;
   for (const auto& [phase, seconds] : simulation.integration().effort().seconds)

@@ -26,6 +26,16 @@ class RunStopped : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A run that SIGTERM, SIGINT or SIGHUP stopped between two steps, where it left a checkpoint.
+class RunInterrupted : public std::runtime_error {
+ public:
+  RunInterrupted(const std::string& what, int signal) : std::runtime_error(what), signal_(signal) {}
+  int signal() const { return signal_; }
+
+ private:
+  int signal_;
+};
+
 /// Mesh, space, equations and time integration of one scene, in the order in which each needs the
 /// last.
 class Simulation {
@@ -70,7 +80,8 @@ class Simulation {
 };
 
 /// Runs `document`'s scene. `document` has been read by read_problem and read_settings.
-/// Throws std::runtime_error when the run cannot begin, RunStopped when it stopped itself.
+/// Throws std::runtime_error when the run cannot begin, RunStopped when it stopped itself,
+/// RunInterrupted when a signal stopped it; takes over the three signals' handlers.
 Outcome run(const Document& document, const Problem& problem, const Settings& settings,
             const RunOptions& options);
 

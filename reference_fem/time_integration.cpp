@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sprung::reference {
 namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
 
 void add(std::vector<double>& y, double factor, const std::vector<double>& x) {
   for (std::size_t i = 0; i < y.size(); ++i) y[i] += factor * x[i];
@@ -65,63 +68,151 @@ void TimeIntegration::conclude(Fields& fields, const std::vector<double>& base_v
 
 void TimeIntegration::linearize(const Fields& fields) {
   const Stopwatch watch(effort_, "factorisation");
+  forget_matrix_only();
   system_.linearize(fields, weights_);
   matrix_c_ = weights_.c;
+  matrix_fields_ = fields;
+  matrix_weights_ = weights_;
   ++effort_.factorizations;
-  secants_.clear();
+}
+
+double TimeIntegration::correction_at(Fields& fields, const std::vector<double>& base_velocity,
+                                      const std::vector<double>& base_displacement) {
+  update_from_velocity(fields, base_velocity, base_displacement);
+  if (std::abs(matrix_c_ - weights_.c) > 1e-9 * weights_.c) {
+    linearize(fields);
+    contraction_ = 1.0;
+  }
+  {
+    const Stopwatch watch(effort_, "assembly");
+    system_.residual(fields, weights_, residual_);
+  }
+  const Stopwatch watch(effort_, "solve");
+  system_.correct(residual_, velocity_step_, pressure_step_);
+  ++effort_.iterations;
+  const double change = largest(velocity_step_) + 0.0 * largest(pressure_step_);
+  return std::isfinite(change) ? change : infinite;
+}
+
+/// Where an iteration stood before its last step, and Newton's correction there: what the line
+/// search goes back to.
+struct TimeIntegration::LastStep {
+  std::vector<double> velocity, pressure, velocity_step, pressure_step;
+  double length = 0.0;       ///< part of the correction that was taken; 0: there is no last step
+  double change = infinite;  ///< size of the correction (m/s), if the same matrix judges the next
+  bool fresh = false;        ///< the matrix was made in this stage,
+  bool here = false;         ///< and at this very point
+};
+
+/// Undoes the last step: a matrix made elsewhere is made anew there, otherwise half the step is
+/// taken. Throws what went wrong if there is nothing to go back to or the step is short already.
+void TimeIntegration::go_back(LastStep& last, const std::exception_ptr& fault, Fields& fields,
+                              const std::vector<double>& base_velocity,
+                              const std::vector<double>& base_displacement) {
+  const double shortest = std::pow(0.5, newton_.max_halvings) * 1.01;
+  if (last.length == 0.0 || last.length <= shortest) {
+    if (fault) std::rethrow_exception(fault);
+    throw std::runtime_error("Newton's method does not converge, however short its steps");
+  }
+  fields.velocity = last.velocity;
+  fields.pressure = last.pressure;
+  if (!last.here) {
+    update_from_velocity(fields, base_velocity, base_displacement);
+    linearize(fields);
+    last = {};
+    last.fresh = last.here = true;
+    return;
+  }
+  ++effort_.halvings;
+  last.length *= 0.5;
+  add(fields.velocity, last.length, last.velocity_step);
+  add(fields.pressure, last.length, last.pressure_step);
 }
 
 void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& base_velocity,
                                   const std::vector<double>& base_displacement) {
   ++effort_.stages;
-  Residual residual;
-  std::vector<double> velocity_step, pressure_step;
   secants_.begin_stage();
-  double previous = 0.0;
-  bool fresh = false;
-  for (int iteration = 0; iteration < newton_.max_iterations; ++iteration) {
-    update_from_velocity(fields, base_velocity, base_displacement);
-    if (std::abs(matrix_c_ - weights_.c) > 1e-9 * weights_.c) {
-      linearize(fields);
-      fresh = true;
-      contraction_ = 1.0;
+  LastStep last;
+  for (int iteration = 0; iteration < newton_.max_iterations;) {
+    const long made = effort_.factorizations;
+    double change = infinite;
+    std::exception_ptr fault;
+    try {
+      change = correction_at(fields, base_velocity, base_displacement);
+    } catch (const InvertedCell&) {
+      fault = std::current_exception();
     }
-    {
-      const Stopwatch watch(effort_, "assembly");
-      system_.residual(fields, weights_, residual);
+    if (change == infinite && !fault)
+      fault = std::make_exception_ptr(
+          std::runtime_error("Newton's method met a value that is not finite"));
+    const bool here = effort_.factorizations > made || (last.here && last.length == 0.0);
+    const bool fresh = last.fresh || here;
+    const bool grown = newton_.max_halvings > 0 && change > last.change;
+    if (grown || fault) {
+      go_back(last, fault, fields, base_velocity, base_displacement);
+      continue;
     }
-    {
-      const Stopwatch watch(effort_, "solve");
-      system_.correct(residual, velocity_step, pressure_step);
+    ++iteration;
+    const double theta = change / last.change;  // 0 if not known
+    if (fresh && (theta > 0.8 || (theta > 0.0 && last.length < 1.0))) {
+      linearize(fields);  // far from the solution: Newton's method proper
+      last = {};
+      last.fresh = last.here = true;
+      continue;
     }
-    ++effort_.iterations;
-    const double change = largest(velocity_step) + 0.0 * largest(pressure_step);
-    if (!std::isfinite(change))
-      throw std::runtime_error("Newton's method met a value that is not finite");
-    secants_.accelerate(fields.velocity, fields.pressure, velocity_step, pressure_step);
-    add(fields.velocity, 1.0, velocity_step);
-    add(fields.pressure, 1.0, pressure_step);
+    last = {
+        fields.velocity, fields.pressure, velocity_step_, pressure_step_, 1.0, change, fresh, here};
+    secants_.accelerate(fields.velocity, fields.pressure, velocity_step_, pressure_step_);
+    add(fields.velocity, 1.0, velocity_step_);
+    add(fields.pressure, 1.0, pressure_step_);
     speed_scale_ = std::max(speed_scale_, largest(fields.velocity));
-    const double theta = previous > 0.0 ? change / previous : 0.0;
-    if (previous > 0.0) contraction_ = std::max(theta, 1e-3);
+    if (theta > 0.0) contraction_ = std::max(theta, 1e-3);
     const double remaining =
         contraction_ < 1.0 ? contraction_ / (1.0 - contraction_) * change : change;
     if (remaining <= newton_.tolerance * speed_scale_) {
       conclude(fields, base_velocity, base_displacement);
       return;
     }
-    // A matrix made in this stage is made again only if the iteration all but stands still with it.
-    if (previous > 0.0 && theta > (fresh ? 0.8 : newton_.slow)) {
-      update_from_velocity(fields, base_velocity, base_displacement);
-      linearize(fields);
-      fresh = true;
-      previous = 0.0;
-      continue;
+    if (!fresh && theta > newton_.slow) {
+      // The matrix no longer pays. Another one cannot judge the step just taken.
+      forget_matrix_only();
+      last.change = infinite;
     }
-    previous = change;
   }
   throw std::runtime_error("Newton's method did not converge in " +
                            std::to_string(newton_.max_iterations) + " iterations");
+}
+
+void TimeIntegration::save(Archive& archive) const {
+  if (matrix_c_ == 0.0) return;
+  archive["matrix/velocity"] = matrix_fields_.velocity;
+  archive["matrix/pressure"] = matrix_fields_.pressure;
+  archive["matrix/displacement"] = matrix_fields_.displacement;
+  archive["matrix/mesh_velocity"] = matrix_fields_.mesh_velocity;
+  archive["matrix/acceleration"] = matrix_fields_.acceleration;
+  archive["matrix/weights"] = std::vector<double>{matrix_weights_.c, matrix_weights_.inertia,
+                                                  matrix_weights_.time, contraction_};
+  secants_.save(archive);
+}
+
+void TimeIntegration::restore(const Archive& archive) {
+  forget_matrix();
+  if (!archive.contains("matrix/weights")) return;
+  const auto read = [&archive](const char* name) {
+    return std::get<std::vector<double>>(archive.at(name));
+  };
+  matrix_fields_ = {read("matrix/velocity"), read("matrix/pressure"), read("matrix/displacement"),
+                    read("matrix/mesh_velocity"), read("matrix/acceleration")};
+  const std::vector<double> weights = read("matrix/weights");
+  matrix_weights_ = {weights.at(0), weights.at(1), weights.at(2)};
+  {
+    const Stopwatch watch(effort_, "factorisation");
+    system_.linearize(matrix_fields_, matrix_weights_);
+  }
+  matrix_c_ = matrix_weights_.c;
+  contraction_ = weights.at(3);
+  secants_.restore(archive);
 }
 
 namespace {

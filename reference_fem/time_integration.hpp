@@ -1,12 +1,18 @@
 #pragma once
 /// Marches the coupled equations with diagonally implicit Runge-Kutta stages, each solved by
-/// Newton's method with a matrix that is kept until it no longer pays.
+/// Newton's method with a matrix that is kept until it no longer pays, and with a line search.
+///
+/// The line search is the natural monotonicity test (Deuflhard 2004, Newton Methods for Nonlinear
+/// Problems, section 3.3): a correction is taken back and halved if the next one, by the same
+/// matrix, is larger, if a cell turned inside out, or if a value is not finite. Where nothing goes
+/// wrong it costs nothing: the next correction is wanted anyway.
 
 #include "reference_fem/fluid_structure.hpp"
 #include "reference_fem/mesh_motion.hpp"
 #include "reference_fem/secants.hpp"
 #include "reference_fem/time_scheme.hpp"
 
+#include <exception>
 #include <map>
 #include <string>
 
@@ -16,10 +22,12 @@ struct NewtonSettings {
   double tolerance = 1e-6;  ///< last correction's error, relative to the largest speed
   double slow = 0.5;        ///< a contraction slower than this calls for a new matrix
   int max_iterations = 30;
+  int max_halvings = 6;  ///< of one correction by the line search; 0: no line search
 };
 
 struct Effort {
   long steps = 0, stages = 0, iterations = 0, factorizations = 0;
+  long halvings = 0;                      ///< of corrections, by the line search
   std::map<std::string, double> seconds;  ///< processor seconds by phase
 };
 
@@ -55,12 +63,17 @@ class TimeIntegration {
   /// One step of `scheme`; a scheme with an explicit first stage needs state.slope_known.
   /// Throws InvertedCell or std::runtime_error (Newton) and leaves `state` as it was.
   void step(State& state, const TimeScheme& scheme, double dt);
-  /// Forgets the matrix, so that a run continued from a checkpoint takes the very same path.
+  /// Forgets the matrix, so that a run continued from a checkpoint takes the very same path without
+  /// its being stored.
   void forget_matrix() {
-    matrix_c_ = 0.0;
+    forget_matrix_only();
     contraction_ = 1.0;
-    secants_.clear();
   }
+  /// What a run stopped between its checkpoints needs to go on by the very same path: where the
+  /// matrix was made, and what was learned since, as arrays "matrix/..." and "secants/...".
+  void save(Archive& archive) const;
+  /// Makes that matrix again; forgets the present one if the archive has none.
+  void restore(const Archive& archive);
   /// Largest embedded error estimate of the last step in displacement (m); 0 if the scheme has
   /// none.
   double displacement_error() const { return displacement_error_; }
@@ -83,15 +96,31 @@ class TimeIntegration {
                  const std::vector<double>& base_displacement) const;
   void solve_stage(Fields& fields, const std::vector<double>& base_velocity,
                    const std::vector<double>& base_displacement);
+  struct LastStep;
+  void forget_matrix_only() {
+    matrix_c_ = 0.0;
+    secants_.clear();
+  }
   void linearize(const Fields& fields);
+  /// Residual at `fields`, whose mesh is moved first, and the correction by the present matrix; its
+  /// size (m/s). Infinite if it is not finite.
+  double correction_at(Fields& fields, const std::vector<double>& base_velocity,
+                       const std::vector<double>& base_displacement);
+  void go_back(LastStep& last, const std::exception_ptr& fault, Fields& fields,
+               const std::vector<double>& base_velocity,
+               const std::vector<double>& base_displacement);
 
   FluidStructure& system_;
   const MeshMotion& motion_;
   NewtonSettings newton_;
   StageWeights weights_;
   Secants secants_;
-  double matrix_c_ = 0.0;     ///< the c that the matrix was made for; 0: none
-  double contraction_ = 1.0;  ///< of the last stage
+  double matrix_c_ = 0.0;  ///< the c that the matrix was made for; 0: none
+  Fields matrix_fields_;   ///< where it was made
+  StageWeights matrix_weights_;
+  Residual residual_;                                  ///< of the point last looked at
+  std::vector<double> velocity_step_, pressure_step_;  ///< and the correction there
+  double contraction_ = 1.0;                           ///< of the last stage
   double speed_scale_ = 0.0;
   double displacement_error_ = 0.0;
   mutable Effort effort_;

@@ -5,8 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <csignal>
 #include <filesystem>
-#include <fstream>
+#include <thread>
+
+#include <unistd.h>
 
 namespace sprung::reference {
 namespace {
@@ -69,8 +73,9 @@ class Run : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   /// Runs the scene into folder_/name.
-  Outcome go(const std::string& name, RunOptions options = {}, const std::string& ramp = "0.06 s") {
-    Document document = Document::from_text(text_with(ramp));
+  Outcome go(const std::string& name, RunOptions options = {}, const std::string& ramp = "0.06 s",
+             const std::vector<std::string>& overrides = {}) {
+    Document document = Document::from_text(text_with(ramp), "scene", overrides);
     const Problem problem = read_problem(document);
     const Settings settings = read_settings(document, problem);
     document.refuse_unread();
@@ -100,6 +105,32 @@ TEST_F(Run, BitsDoNotDependOnThreadsOrOnAResume) {
   }
   EXPECT_EQ(RecordReader(folder_ / "one").table("profile", 0.1).values,
             RecordReader(folder_ / "parts").table("profile", 0.1).values);
+}
+
+/// Sends SIGTERM to this process once `file` is there.
+std::thread stop_when_there(const fs::path& file) {
+  return std::thread([file] {
+    while (!fs::exists(file)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    kill(getpid(), SIGTERM);
+  });
+}
+
+TEST_F(Run, ASignalLeavesARecordThatSaysSoAndGoesOnBitForBit) {
+  // Long enough to be under way still when the signal comes, after the first checkpoint, 0.04 s.
+  const std::vector<std::string> longer = {"time.end=0.4 s"};
+  EXPECT_EQ(go("whole", {}, "0.06 s", longer), Outcome::finished);
+  std::thread other = stop_when_there(folder_ / "parts" / "checkpoint.h5");
+  EXPECT_THROW(go("parts", {}, "0.06 s", longer), RunInterrupted);
+  other.join();
+  const RecordReader stopped(folder_ / "parts");
+  EXPECT_NE(stopped.manifest_text("outcome").find("stopped by SIGTERM at t = "), std::string::npos)
+      << stopped.manifest_text("outcome");
+  EXPECT_LT(stopped.series("tip").rows(), RecordReader(folder_ / "whole").series("tip").rows());
+  RunOptions rest;
+  rest.resume = true;
+  EXPECT_EQ(go("parts", rest, "0.06 s", longer), Outcome::finished);
+  for (const auto* which : {"tip", "force", "ledger_energy"})
+    EXPECT_EQ(series("whole", which), series("parts", which)) << which;
 }
 
 TEST_F(Run, KeepsItsBalances) {

@@ -16,13 +16,13 @@ struct Coefficients {
 };
 
 /// C = 2 F / (rho u^2 D) with u = 0.2 m/s, D = 0.1 m, rho = 1 kg/m3.
-Coefficients steady(int degree, int splittings) {
+Coefficients steady(int degree, int splittings, const std::string& mesh = "blocks") {
   const double cell = 33.4 / (1 << splittings);
-  Document document(
-      SPRUNG_SCHAEFER_TUREK "/2d_1.toml",
-      {"reference_fem.cell_size=" + std::to_string(cell) + " mm",
-       "reference_fem.splittings=" + std::to_string(splittings),
-       "reference_fem.degree=" + std::to_string(degree), "reference_fem.newton_tolerance=1e-8"});
+  Document document(SPRUNG_SCHAEFER_TUREK "/2d_1.toml",
+                    {"reference_fem.cell_size=" + std::to_string(cell) + " mm",
+                     "reference_fem.splittings=" + std::to_string(splittings),
+                     "reference_fem.degree=" + std::to_string(degree), "reference_fem.mesh=" + mesh,
+                     "reference_fem.newton_tolerance=1e-8"});
   const Problem problem = read_problem(document);
   Simulation simulation(problem, read_settings(document, problem));
   for (const double event : simulation.events())
@@ -60,6 +60,17 @@ TEST(SchaeferTurek, SteadyCylinder) {
     EXPECT_NEAR(c[2].lift, lift, 1e-3 * lift);
     EXPECT_NEAR(c[2].pressure, pressure_drop, 1e-3 * pressure_drop);
   }
+}
+
+TEST(SchaeferTurek, SteadyCylinderWithoutBlocks) {
+  const Coefficients c = steady(3, 1, "unstructured");
+  std::printf("unstructured: C_D %.9f (%+.2e), C_L %.9f (%+.2e), dp %.8f (%+.2e)\n", c.drag,
+              c.drag / drag - 1.0, c.lift, c.lift / lift - 1.0, c.pressure,
+              c.pressure / pressure_drop - 1.0);
+  // The same limits as on the blocks.
+  EXPECT_NEAR(c.drag, drag, 1e-4 * drag);
+  EXPECT_NEAR(c.lift, lift, 1e-3 * lift);
+  EXPECT_NEAR(c.pressure, pressure_drop, 1e-3 * pressure_drop);
 }
 
 }  // namespace

@@ -25,13 +25,13 @@ struct Result {
 
 /// Marches a scene to its steady state with strongly damped steps.
 /// `level` halves the cells that often; below 0 it doubles them.
-Result steady(const std::string& name, int level) {
+Result steady(const std::string& name, int level, const std::string& mesh = "blocks") {
   const double cell = 33.4 * std::pow(2.0, -level);
   const int splittings = std::max(0, level);
   Document document(SPRUNG_TUREK_HRON + ("/" + name + ".toml"),
                     {"reference_fem.cell_size=" + std::to_string(cell) + " mm",
                      "reference_fem.splittings=" + std::to_string(splittings),
-                     "reference_fem.newton_tolerance=1e-7"});
+                     "reference_fem.mesh=" + mesh, "reference_fem.newton_tolerance=1e-7"});
   const Problem problem = read_problem(document);
   Simulation simulation(problem, read_settings(document, problem));
   for (const double event : simulation.events())
@@ -99,6 +99,16 @@ TEST(TurekHron, FSI1) {
   judge("uy", 0.8209e-3, r[0].tip[1], r[1].tip[1], r[2].tip[1]);
   judge("drag", 14.295, r[0].force[0], r[1].force[0], r[2].force[0]);
   judge("lift", 0.7638, r[0].force[1], r[1].force[1], r[2].force[1]);
+}
+
+TEST(TurekHron, FSI1WithoutBlocks) {
+  const Result r = steady("fsi1", 1, "unstructured");
+  std::printf("unstructured, %d unknowns: ux %.5e, uy %.5e, drag %.5f, lift %.5f\n", r.unknowns,
+              r.tip[0], r.tip[1], r.force[0], r.force[1]);
+  EXPECT_NEAR(r.tip[0], 0.0227e-3, allowed * 0.0227e-3);
+  EXPECT_NEAR(r.tip[1], 0.8209e-3, allowed * 0.8209e-3);
+  EXPECT_NEAR(r.force[0], 14.295, allowed * 14.295);
+  EXPECT_NEAR(r.force[1], 0.7638, allowed * 0.7638);
 }
 
 }  // namespace
