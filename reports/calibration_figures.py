@@ -186,7 +186,8 @@ def bending(rows: list[dict]):
         chosen = where(rows, dimension=2, angle_degrees=0, bend=0, bonds=bonds, area_stiffness=kappa,
                        surface_correction=corrected)
         for axes, quantity in zip(grid, ("bending", "stretching", "frequency")):
-            axes.plot(column(chosen, "layers"), column(chosen, quantity), marker, color=colour, ms=5,
+            there = [row for row in chosen if row[quantity] != ""]
+            axes.plot(column(there, "layers"), column(there, quantity), marker, color=colour, ms=5,
                       mfc="none", label=name)
     for axes, title in zip(grid, ("bending stiffness EI", "stretching stiffness EA", "first frequency")):
         axes.axhspan(0.97, 1.03, color="#dddddd", lw=0, zorder=0)
@@ -261,11 +262,11 @@ def stress_strain(rows: list[dict], by_reference: list[dict]):
     if by_reference:
         for axes in (left, right):
             axes.plot([], [], "x", color="grey", ms=4, label="neo-Hookean, finite elements")
-    left.set(xlabel="strain or shear [%]", title="nominal stress / G, isotropic bonds in space", ylim=(-4, 4))
+    left.set(xlabel="strain or shear [%]", title="nominal stress / G, isotropic bonds in space", ylim=(-3, 1.7))
     right.axhline(1.0, color="grey", lw=0.8)
     right.set(xlabel="strain or shear [%]", title="springs / neo-Hookean", ylim=(0.7, 1.6))
-    for axes in (left, right):
-        axes.legend(fontsize=7)
+    left.legend(fontsize=7, loc="lower right")
+    right.legend(fontsize=7)
     return figure
 
 
