@@ -60,13 +60,19 @@ def draw_panel(panel, rows: list[dict], about: dict, cost: str, bars: bool) -> N
 
 
 def draw(rows: list[dict], about: dict, file: Path) -> None:
-    figure, (left, right) = plt.subplots(1, 2, figsize=(1.25 * style.WIDTH, 5.2), layout="constrained", sharey=True)
+    curves = len({row["curve"] for row in rows})
+    figure, axes = plt.subplot_mosaic([["time", "memory"], ["legend", "legend"]], layout="constrained",
+                                      figsize=(1.25 * style.WIDTH, 4.8 + 0.17 * curves),
+                                      height_ratios=[4.8, 0.17 * curves])
+    left, right, legend = axes["time"], axes["memory"], axes["legend"]
+    right.sharey(left)
+    legend.axis("off")
     draw_panel(left, rows, about, "processor_seconds", bars=True)
     draw_panel(right, rows, about, "memory_MB", bars=False)
     left.set(xlabel="processor time [s], one thread", ylabel="error (largest of all quantities)", title=about["title"])
     right.set(xlabel="memory [MB], largest resident set", title="the same by memory")
     commits = "; ".join(f"{WORDS[solver]} {', '.join(c[:7] for c in those)}" for solver, those in about["commits"].items())
-    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", fontsize=7.5, ncols=1)
+    legend.legend(*left.get_legend_handles_labels(), loc="center", fontsize=7.5)
     right.text(1.0, 1.02, f"commits: {commits}; {', '.join(about['processor'])}", fontsize=6.5, ha="right",
                transform=right.transAxes)
     beside = file.with_name("new_" + file.name)

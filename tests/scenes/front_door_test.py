@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 ROOT = Path(sys.argv[1])
-VERBS = ["check", "explain", "run", "reference", "calibrate", "validate", "study", "report", "test"]
+VERBS = ["check", "explain", "run", "reference", "calibrate", "validate", "study", "recommend", "report", "test"]
 WRONG_USE, NOT_THERE = 2, 4
 
 
@@ -49,6 +49,8 @@ class FrontDoorTest(unittest.TestCase):
             (("report",), "--help"),
             (("report", "/nowhere"), "comparison.json"),
             (("study",), "numerics"),
+            (("study", "cost", "hydrostatics"), "beam_in_channel"),
+            (("recommend", "hydrostatics"), "beam_in_channel"),
             (("--no-reference", "reference", "scene.toml"), "--no-reference"),
         ):
             with self.subTest(arguments):

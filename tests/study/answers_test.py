@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+"""answers_test.py ROOT: the arithmetic of the studies on numbers made from formulas, and what they refuse."""
+
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(sys.argv[1])
+sys.path.insert(0, str(ROOT / "validation" / "study"))
+
+import cost_table  # noqa: E402
+import plan as plans  # noqa: E402
+import quantities  # noqa: E402
+import recommend  # noqa: E402
+
+
+class Quantities(unittest.TestCase):
+    def test_extrapolation_finds_the_limit_of_a_power(self):
+        limit, slope = np.array([[3.0, -1.0]]), np.array([[0.4, 0.7]])
+        for order in (1.0, 1.5, 2.0):
+            levels = [limit + slope * h**order for h in (0.4, 0.2, 0.1)]
+            found, trusted = quantities.extrapolated(*levels)
+            self.assertAlmostEqual(trusted, order, delta=1e-9)
+            self.assertLess(np.max(np.abs(found - limit)), 1e-12)
+
+    def test_extrapolation_trusts_no_order_beyond_two_and_none_below_one(self):
+        for order, trusted in ((3.0, 2.0), (0.5, 1.0)):
+            levels = [np.array([[1.0 + h**order]]) for h in (0.4, 0.2, 0.1)]
+            self.assertEqual(quantities.extrapolated(*levels)[1], trusted)
+
+    def test_error_is_the_largest_of_the_rows(self):
+        true = np.array([[3.0, 4.0], [0.0, 10.0]])
+        found = true + [[0.3, 0.4], [0.0, 0.5]]
+        self.assertAlmostEqual(quantities.error({"kind": "displacement"}, found, true), 0.1)  # 0.5 of 5; 0.5 of 10
+        scaled = {"kind": "profile", "scale": "2 m/s"}
+        self.assertAlmostEqual(quantities.error(scaled, found, true), 0.25)  # largest 0.5 of 2
+        self.assertAlmostEqual(quantities.error({**scaled, "norm": "rms"}, found, true), 0.5 / 2.0 / 2.0**0.5)
+
+    def test_a_run_of_other_numbers_is_no_match(self):
+        with self.assertRaises(quantities.Missing):
+            quantities.error({"kind": "energy"}, np.zeros((3, 1)), np.ones((4, 1)))
+
+
+class Plans(unittest.TestCase):
+    def test_every_case_with_a_study_is_whole(self):
+        cases = sorted(file.parent for file in (ROOT / "validation").glob("*/cost.toml"))
+        self.assertGreaterEqual(len(cases), 3)
+        for case in cases:
+            for quick in (False, True):
+                with self.subTest(case.name, quick=quick):
+                    plan = plans.read(case, quick)
+                    self.assertEqual({point.solver for point in plan.points}, {"particles", "reference"})
+                    for solver in plans.SOLVERS:
+                        self.assertTrue(plan.scene(solver).exists())
+
+    def test_a_slip_is_refused_in_words(self):
+        good = (ROOT / "validation" / "cavity" / "cost.toml").read_text()
+        for slip, by, says in (('kind = "mean_profile"', 'kind = "mean_profil"', "mean_profil"),
+                               ('solver = "particles"', 'solver = "sph"', "'sph'"),
+                               ("[truth]", "[trutj]", "[truth] has one of"),
+                               ("quick = [0, 1]", "quick = [0, 9]", "point 9"),
+                               ("repeats = 3", "repeats = ", "cost.toml")):
+            with tempfile.TemporaryDirectory() as folder, self.subTest(by):
+                self.assertIn(slip, good)
+                (Path(folder) / "cost.toml").write_text(good.replace(slip, by, 1))
+                with self.assertRaises(plans.WrongPlan) as refused:
+                    plans.read(Path(folder))
+                self.assertIn(says, str(refused.exception))
+
+
+def measured(solver: str, spacings_mm, error, time) -> list:
+    """Points of a curve whose error and time are powers of the spacing in mm."""
+    return [recommend.Measured("spacing", solver, f'sph.spacing="{h:g} mm"', error(h), time(h), 1.02)
+            for h in spacings_mm]
+
+
+class Recommendations(unittest.TestCase):
+    # Error 1 % (h/4)^1.5, time 64 s (4/h)^3: by hand, 2 % wants h = 4 x 2^(2/3) = 6.35 mm, 16 s.
+    TABLE = measured("particles", (8, 7, 5, 4), lambda h: 0.01 * (h / 4) ** 1.5, lambda h: 64.0 * (4.0 / h) ** 3)
+
+    def test_a_power_law_is_met_between_the_points(self):
+        found = recommend.for_error(self.TABLE, "particles", 0.02, 0.0)
+        self.assertAlmostEqual(found.time, 16.0, delta=0.01)
+        self.assertAlmostEqual(recommend.spacing_of(found.setting) * 1e3, 6.35, delta=0.01)
+        self.assertAlmostEqual(found.error_factor, 1.0, delta=1e-6)  # every point is what its neighbours say
+
+    def test_a_budget_is_kept_with_the_spread_of_the_repeats(self):
+        found = recommend.for_time(self.TABLE, "particles", 16.0 * 1.02, 0.0)
+        self.assertAlmostEqual(found.error, 0.02, delta=1e-5)
+        self.assertLessEqual(found.time * found.time_factor, 16.0 * 1.02 * 1.0001)
+
+    def test_uncertainty_is_what_a_point_left_out_shows(self):
+        bumped = [recommend.Measured(**{**vars(one), "error": one.error * (1.2 if k == 1 else 1.0)})
+                  for k, one in enumerate(self.TABLE)]
+        found = recommend.for_error(bumped, "particles", 0.02, 0.0)
+        self.assertGreaterEqual(found.error_factor, 1.2 * 0.999)
+        self.assertLessEqual(found.error * found.error_factor, 0.02 * 1.0001)
+
+    def test_what_nothing_reaches_is_not_promised(self):
+        self.assertIsNone(recommend.for_error(self.TABLE, "particles", 0.001, 0.0))
+        self.assertIsNone(recommend.for_error(self.TABLE, "particles", 0.0101, 0.01))  # the truth is no better
+        self.assertIsNone(recommend.for_time(self.TABLE, "particles", 1.0, 0.0))
+
+    def test_wrong_use_is_told(self):
+        for text in ("3 parts", "-1%", "0"):
+            with self.assertRaises(recommend.NoAnswer):
+                recommend.parse_error(text)
+        self.assertEqual(recommend.parse_error("3%"), 0.03)
+        self.assertEqual(recommend.parse_time("5min"), 300.0)
+        program = ROOT / "validation" / "study" / "recommend.py"
+        with tempfile.TemporaryDirectory() as folder:
+            answer = subprocess.run([sys.executable, "-B", program, folder, "--error", "3%"], capture_output=True,
+                                    text=True)
+        self.assertEqual(answer.returncode, 2)
+        self.assertIn("cost_study.csv", answer.stderr)
+
+
+class Fronts(unittest.TestCase):
+    def test_what_another_beats_in_both_is_left_out(self):
+        rows = [{"solver": "particles", "error": e, "processor_seconds": t, "curve": "c", "setting": ""}
+                for e, t in (("0.04", "1"), ("0.05", "2"), ("0.02", "3"), ("0.03", "4"), ("0.01", "9"))]
+        self.assertEqual([row["processor_seconds"] for row in cost_table.front(rows, "particles")], ["1", "3", "9"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
