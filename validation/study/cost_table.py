@@ -98,7 +98,7 @@ def rows_of(plan: plans.Plan, out: Path, true: dict) -> tuple[list, list]:
     return rows, made
 
 
-def manifest(plan: plans.Plan, made: list, floor: dict, reason: str) -> dict:
+def manifest(plan: plans.Plan, made: list, true: dict, floor: dict, reason: str) -> dict:
     whole = [run for run in made if "processor_seconds" in run]
 
     def one(key):
@@ -113,7 +113,7 @@ def manifest(plan: plans.Plan, made: list, floor: dict, reason: str) -> dict:
             "runs": len(whole), "started": [min(run["started"] for run in whole), max(run["started"] for run in whole)],
             "load_at_start": {"least": min(loads), "median": statistics.median(loads), "most": max(loads)}
             if loads else None,
-            "truth": plan.truth, "truth_error": floor, "quantities": plan.quantities,
+            "truth": plan.truth, "truth_error": floor, "true": {q: values.tolist() for q, values in true.items()}, "quantities": plan.quantities,
             "curves": {name: curve["says"] for name, curve in plan.table["curve"].items()},
             "phases": {run["name"]: run["phases"] for run in whole if run["repeat"] == 1}}
 
@@ -180,7 +180,7 @@ def main() -> int:
         say(str(fault))
         return NO_TABLE
     table = as_csv(plan, rows, floor)
-    about = manifest(plan, made, floor, options.accept or "")
+    about = manifest(plan, made, true, floor, options.accept or "")
     about_text = json.dumps(about, indent=1) + "\n"
     if options.accept is not None and about["clean"] != ["yes"]:
         say("--accept keeps what a clean commit made; these runs were made with changes that are not committed")
