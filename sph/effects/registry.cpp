@@ -37,8 +37,9 @@ void add_viscosity_of(ParticleScene<dim>& scene, Law law) {
 
 template <int dim>
 bool add_viscosity(ParticleScene<dim>& scene, const ModulusTable&) {
-  if (!scene.problem.viscosity || scene.problem.viscosity->carreau_yasuda) return false;
-  add_viscosity_of<dim>(scene, Newtonian<dim>{});
+  if (!scene.problem.viscosity) return false;
+  // Else the next row's, with its law.
+  if (!scene.problem.viscosity->carreau_yasuda) add_viscosity_of<dim>(scene, Newtonian<dim>{});
   return true;
 }
 
@@ -273,7 +274,7 @@ struct Row {
 template <int dim>
 void add_effects(ParticleScene<dim>& scene, const ModulusTable& table) {
   constexpr Row<dim> rows[] = {
-      {"viscosity, constant", add_viscosity<dim>, "a table [viscosity]"},
+      {"viscosity", add_viscosity<dim>, "a table [viscosity]"},
       {"Carreau-Yasuda viscosity", add_carreau_yasuda<dim>, "a table [viscosity.carreau_yasuda]"},
       {"gravity", add_gravity<dim>, "a table [gravity]"},
       {"moving walls", add_moving_walls<dim>, "a table [wall_motion.<side>]"},
