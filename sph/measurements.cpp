@@ -33,10 +33,6 @@ Measurements<dim>::Measurements(ParticleScene<dim>& scene, RecordWriter& record)
       columns.push_back({fmt::format("pressure_{}", k), "Pa"});
     declare(probe.name, std::move(columns));
   }
-  const auto& particles = scene.simulation->state().particles;
-  for (const auto& wall : scene.simulation->state().images.shaped())
-    wall_patches_.push_back(probes.force.empty() ? std::vector<WallPatch<dim>>{}
-                                                 : wall.shape->patches(particles.spacing));
   const std::string volume = dim == 2 ? "m2" : "m3", energy = dim == 2 ? "J/m" : "J";
   declare("ledger_mass", {{"inflow", volume + "/s"},
                           {"outflow", volume + "/s"},
@@ -63,8 +59,11 @@ void Measurements<dim>::each_step() {
     append(probe.name, displacement_of(*scene_.solid, particles, body.first, body.last,
                                        {as_vector<dim>(probe.point)})[0]);
   }
+  const auto& state = scene_.simulation->state();
+  const auto& viscosity = scene_.problem.viscosity;
   for (const auto& probe : scene_.problem.probes.force)
-    append(probe.name, probe.solid.empty() ? force_on_wall(probe.curved_wall)
+    append(probe.name, probe.solid.empty() ? scene_.wall_forces.at(probe.curved_wall)(
+                                                 state, viscosity ? viscosity->dynamic : 0.0)
                                            : force_on(body_named(probe.solid)));
   for (const auto& probe : scene_.problem.probes.pressure) append_pressure(probe);
 }
@@ -87,17 +86,6 @@ void Measurements<dim>::append_pressure(const PressureProbe& probe) {
   std::vector<double> row{state.clock.time};
   for (const double p : pressure_at(state, places)) row.push_back(p);
   record_.append(probe.name, row);
-}
-
-template <int dim>
-Vector<dim> Measurements<dim>::force_on_wall(const std::string& name) const {
-  const auto& problem = scene_.problem;
-  const auto& state = scene_.simulation->state();
-  for (std::size_t w = 0; w < problem.curved_walls.size(); ++w)
-    if (problem.curved_walls[w].name == name)
-      return force_on_surface(state, state.images.shaped()[w], wall_patches_[w],
-                              problem.viscosity ? problem.viscosity->dynamic : 0.0);
-  return Vector<dim>::Zero();
 }
 
 template <int dim>

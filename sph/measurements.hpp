@@ -15,7 +15,6 @@ class Measurements {
   void each_step();
   /// What the fluid did to the body in the last step.
   Vector<dim> force_on(const BodyRange& body) const;
-  Vector<dim> force_on_wall(const std::string& name) const;
   /// A row in every ledger.
   void ledgers();
   /// What was asked for at this time: profiles, outlines, and a snapshot of the fields.
@@ -39,7 +38,6 @@ class Measurements {
 
   ParticleScene<dim>& scene_;
   RecordWriter& record_;
-  std::vector<std::vector<WallPatch<dim>>> wall_patches_;  ///< of each curved wall
   double excess_ = 0.0;            ///< integral of outflow - inflow, m2 (m3)
   double ledger_time_ = 0.0;       ///< of the last ledger row, s
   double last_excess_rate_ = 0.0;  ///< then

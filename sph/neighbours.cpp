@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
@@ -76,13 +77,15 @@ double lattice_neighbours(double radius, double volume) {
 
 template <int dim>
 std::size_t Support<dim>::pairs() const {
-  return std::accumulate(count_.begin(), count_.end(), std::size_t{0});
+  std::size_t sum = 0;
+  for (const SupportEnds& ends : ends_) sum += static_cast<std::size_t>(ends.all);
+  return sum;
 }
 
 template <int dim>
 void Support<dim>::reserve(std::size_t owners) {
   first_.resize(owners);
-  for (auto* ends : {&lower_, &inner_, &count_}) ends->resize(owners);
+  ends_.resize(owners);
   partition_.resize(owners);
   const std::size_t pairs = (owners + chunk - 1) / chunk * chunk_capacity_;
   if (pairs <= capacity_) return;
@@ -107,7 +110,7 @@ std::vector<std::int32_t> Support<dim>::cell_order(std::span<const Vector<dim>> 
   return order;
 }
 
-/// Fills cell_begin_, sorted_points_ and sorted_index_.
+/// Fills cell_begin_, sorted_ and sorted_index_.
 template <int dim>
 void Support<dim>::sort_into_cells(std::span<const Vector<dim>> points, double cell) {
   const CellGrid<dim> grid(points, cell);
@@ -119,11 +122,11 @@ void Support<dim>::sort_into_cells(std::span<const Vector<dim>> points, double c
   for (std::size_t i = 0; i < n; ++i) cell_of_[i] = grid.number(grid.coordinates(points[i]));
   for (std::size_t i = 0; i < n; ++i) ++cell_begin_[cell_of_[i] + 1];
   std::partial_sum(cell_begin_.begin(), cell_begin_.end(), cell_begin_.begin());
-  sorted_points_.resize(n);
+  for (auto& coordinate : sorted_) coordinate.resize(n);
   sorted_index_.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const std::int32_t place = cell_begin_[cell_of_[i]]++;
-    sorted_points_[place] = points[i];
+    for (int d = 0; d < dim; ++d) sorted_[d][place] = points[i][d];
     sorted_index_[place] = static_cast<std::int32_t>(i);
   }
   for (int c = cells; c > 0; --c) cell_begin_[c] = cell_begin_[c - 1];
@@ -132,17 +135,90 @@ void Support<dim>::sort_into_cells(std::span<const Vector<dim>> points, double c
 
 namespace {
 
-/// The points closer than a radius to one place, not itself.
+/// The points closer than a radius to one place.
 template <int dim>
 struct Found {
-  std::array<std::int32_t, most_neighbours<dim> + 1> index;
-  std::array<double, most_neighbours<dim> + 1> distance2, factor, value;
-  std::size_t count;
+  /// A row of cells with more points than this is clumped beyond use, too.
+  static constexpr std::int32_t most_in_row = 256;
+  static constexpr std::size_t room = most_neighbours<dim> + most_in_row;
+  std::array<std::int32_t, room> index;
+  std::array<double, room> distance2, factor, value;
+  std::size_t count = 0;
+  bool overfull = false;
+
+  /// Those of the sorted points `first` to `last`, a row of cells, that are closer than the radius.
+  void add_row(const std::array<std::vector<double>, dim>& sorted, const std::int32_t* number,
+               std::int32_t first, std::int32_t last, const Vector<dim>& x, double radius2) {
+    if (count > most_neighbours<dim> || last - first > most_in_row) [[unlikely]] {
+      overfull = true;
+      return;
+    }
+    for (std::int32_t s = first; s < last; ++s) {
+      double d2 = 0.0;
+      for (int d = 0; d < dim; ++d) {
+        const double r = x[d] - sorted[d][s];
+        d2 += r * r;
+      }
+      // Written before it is known to count: a branch here would be taken one time in two.
+      index[count] = number[s];
+      distance2[count] = d2;
+      count += d2 < radius2;
+    }
+  }
+  /// Takes one point out of those found from `first` on, if it is there.
+  void remove(std::int32_t point, std::size_t first) {
+    for (std::size_t k = first; k < count; ++k)
+      if (index[k] == point) {
+        --count;
+        index[k] = index[count];
+        distance2[k] = distance2[count];
+        return;
+      }
+  }
 };
 
 /// Cells of half the radius: five rows of five hold fewer points that are too far than three rows
 /// of three.
 constexpr int reach = 2;
+
+/// The rows of cells about a place that come closer to it than the radius, each cut to the cells
+/// that do: calls visit(first cell, last cell, whether it is the place's own row).
+template <int dim, typename Visit>
+void for_each_row(const CellGrid<dim>& grid, const Vector<dim>& x, double radius, Visit&& visit) {
+  constexpr int rows = 2 * reach + 1;
+  const auto c = grid.coordinates(x);
+  const double cell = 1.0 / grid.inverse_cell, radius2 = radius * radius;
+  // Squared distance of x from the slabs of cells along each axis; infinite where there are none.
+  std::array<std::array<double, rows>, dim> gap2;
+  for (int d = 1; d < dim; ++d)
+    for (int k = 0; k < rows; ++k) {
+      const int step = k - reach;
+      const double face = grid.origin[d] + cell * (c[d] + step + (step < 0 ? 1 : 0));
+      gap2[d][k] = step == 0 ? 0.0 : (x[d] - face) * (x[d] - face);
+      if (c[d] + step < 0 || c[d] + step >= grid.extent[d])
+        gap2[d][k] = std::numeric_limits<double>::infinity();
+    }
+  const double from_origin = (x[0] - grid.origin[0]) * grid.inverse_cell;
+  const double last_cell = grid.extent[0] - 1;
+  const auto visit_row = [&](std::array<int, dim> row, double off2, bool own) {
+    if (!(off2 < radius2)) return;
+    const double half = std::sqrt(radius2 - off2) * grid.inverse_cell;
+    // Rounded down by the conversion, which a clamped place allows.
+    row[0] = static_cast<int>(std::clamp(from_origin - half, 0.0, last_cell));
+    const int first = grid.number(row);
+    const int count = static_cast<int>(std::clamp(from_origin + half, 0.0, last_cell)) - row[0];
+    visit(first, first + count, own);
+  };
+  for (int ky = 0; ky < rows; ++ky) {
+    if constexpr (dim == 2) {
+      visit_row({0, c[1] + ky - reach}, gap2[1][ky], ky == reach);
+    } else {
+      for (int kz = 0; kz < rows; ++kz)
+        visit_row({0, c[1] + ky - reach, c[2] + kz - reach}, gap2[1][ky] + gap2[2][kz],
+                  ky == reach && kz == reach);
+    }
+  }
+}
 
 }  // namespace
 
@@ -158,6 +234,34 @@ void Support<dim>::build_around(const Kernel<dim>& kernel, std::span<const Vecto
                                 std::span<const double> weights) {
   collect(kernel, centres, points, volume, weights);
 }
+
+namespace {
+
+/// Writes what was found as a list of five parts: part p holds the indices from limit[p-1] on that
+/// are below limit[p]. Returns the sum of V W.
+template <int dim>
+double distribute(const Found<dim>& found, const std::array<std::int32_t, 4>& limit,
+                  std::span<const double> weights, SupportEnds& ends, std::int32_t* index,
+                  double* factor) {
+  std::array<std::int32_t, 4> below{};
+  for (std::size_t k = 0; k < found.count; ++k)
+    for (int p = 0; p < 4; ++p) below[p] += found.index[k] < limit[p];
+  ends = {below[0], below[1], below[2], below[3], static_cast<std::int32_t>(found.count)};
+  std::array<std::int32_t, 5> place{0, below[0], below[1], below[2], below[3]};
+  double sum = 0.0;
+  for (std::size_t k = 0; k < found.count; ++k) {
+    const std::int32_t j = found.index[k];
+    const int part = (j >= limit[0]) + (j >= limit[1]) + (j >= limit[2]) + (j >= limit[3]);
+    const std::int32_t to = place[part]++;
+    const double weight = weights.empty() ? 1.0 : weights[j];
+    index[to] = j;
+    factor[to] = weight * found.factor[k];
+    sum += weight * found.value[k];
+  }
+  return sum;
+}
+
+}  // namespace
 
 /// `centres` are the first points, or places of their own.
 template <int dim>
@@ -180,77 +284,40 @@ void Support<dim>::collect(const Kernel<dim>& kernel, std::span<const Vector<dim
   const auto chunks = static_cast<std::ptrdiff_t>((all + chunk - 1) / chunk);
   bool overfull = false;
 #pragma omp parallel for schedule(dynamic, 1) reduction(|| : overfull)
-  for (std::ptrdiff_t block = 0; block < chunks; ++block) {
+  for (std::ptrdiff_t chunk_number = 0; chunk_number < chunks; ++chunk_number) {
     Found<dim> found;
-    std::size_t write = block * chunk_capacity_;
+    std::size_t write = chunk_number * chunk_capacity_;
     const std::size_t room = write + chunk_capacity_;
-    const std::size_t end = std::min(all, (block + 1) * chunk);
-    for (std::size_t i = block * chunk; i < end; ++i) {
+    const std::size_t end = std::min(all, (chunk_number + 1) * chunk);
+    for (std::size_t i = chunk_number * chunk; i < end; ++i) {
       const std::int32_t self = owners > 0 ? static_cast<std::int32_t>(i) : -1;
-      const Vector<dim> x = centres[i];
-      const auto c = grid.coordinates(x);
-      std::size_t count = 0;
-      auto scan_row = [&](std::array<int, dim> row) {
-        row[0] = std::clamp(c[0] - reach, 0, grid.extent[0] - 1);
-        const int first_cell = grid.number(row);
-        row[0] = std::clamp(c[0] + reach, 0, grid.extent[0] - 1);
-        const std::int32_t last = cell_begin_[grid.number(row) + 1];
-        for (std::int32_t s = cell_begin_[first_cell]; s < last; ++s) {
-          const double d2 = (x - sorted_points_[s]).squaredNorm();
-          // Written before it is known to count: a branch here would be taken one time in three.
-          found.index[count] = sorted_index_[s];
-          found.distance2[count] = d2;
-          count += (d2 < radius2) & (sorted_index_[s] != self);
-          if (count > most_neighbours<dim>) [[unlikely]] {
-            overfull = true;
-            count = 0;
-          }
-        }
-      };
-      for (int dy = -reach; dy <= reach; ++dy) {
-        if (c[1] + dy < 0 || c[1] + dy >= grid.extent[1]) continue;
-        if constexpr (dim == 2) {
-          scan_row({c[0], c[1] + dy});
-        } else {
-          for (int dz = -reach; dz <= reach; ++dz)
-            if (c[2] + dz >= 0 && c[2] + dz < grid.extent[2])
-              scan_row({c[0], c[1] + dy, c[2] + dz});
-        }
+      found.count = 0;
+      for_each_row(grid, centres[i], radius, [&](int first_cell, int last_cell, bool own_row) {
+        const std::size_t before = found.count;
+        found.add_row(sorted_, sorted_index_.data(), cell_begin_[first_cell],
+                      cell_begin_[last_cell + 1], centres[i], radius2);
+        if (own_row && self >= 0) found.remove(self, before);
+      });
+      if (write + found.count > room) {
+        found.overfull = true;
+        found.count = 0;
       }
-      if (write + count > room) {
-        overfull = true;
-        count = 0;
-      }
-      // Where each part of the list begins; then every neighbour to its part.
-      std::array<std::size_t, 3> place{write, write, write};
-      const auto part = [&](std::int32_t j) { return j < self ? 0 : j < owners ? 1 : 2; };
-      for (std::size_t k = 0; k < count; ++k) {
-        const int p = part(found.index[k]);
-        place[1] += p < 1;
-        place[2] += p < 2;
-      }
-      first_[i] = write;
-      lower_[i] = static_cast<std::int32_t>(place[1] - write);
-      inner_[i] = static_cast<std::int32_t>(place[2] - write);
-      count_[i] = static_cast<std::int32_t>(count);
       // In a loop of its own, which the compiler turns into vector instructions.
-      for (std::size_t k = 0; k < count; ++k) {
+      for (std::size_t k = 0; k < found.count; ++k) {
         const double r = std::sqrt(found.distance2[k]);
         found.factor[k] = kernel.gradient_factor(r);
         found.value[k] = volume * kernel.value(r);
       }
-      double partition = own_value;
-      for (std::size_t k = 0; k < count; ++k) {
-        const std::int32_t j = found.index[k];
-        const double weight = weights.empty() ? 1.0 : weights[j];
-        const std::size_t to = place[part(j)]++;
-        index_[to] = j;
-        factor_[to] = weight * found.factor[k];
-        partition += weight * found.value[k];
-      }
-      partition_[i] = partition;
-      write += count;
+      const auto block_first = static_cast<std::int32_t>(i - i % support_block);
+      const std::array<std::int32_t, 4> limit{
+          std::min(block_first, owners), self,
+          std::min(block_first + static_cast<std::int32_t>(support_block), owners), owners};
+      first_[i] = write;
+      partition_[i] =
+          own_value + distribute(found, limit, weights, ends_[i], &index_[write], &factor_[write]);
+      write += found.count;
     }
+    overfull = overfull || found.overfull;
   }
   if (overfull)
     throw std::runtime_error(

@@ -46,30 +46,6 @@ Value fitted_value(const std::vector<Vector<dim>>& offsets, const std::vector<do
   return Value::Zero();  // order 0 has returned already
 }
 
-/// Gradient (columns d/dx_k) at the origin of the weighted quadratic fit that is zero there; linear
-/// where points are few.
-template <int dim>
-Eigen::Matrix<double, dim, dim> gradient_from_zero(const std::vector<Vector<dim>>& offsets,
-                                                   const std::vector<double>& weights,
-                                                   const std::vector<Vector<dim>>& values) {
-  const auto n = static_cast<Eigen::Index>(offsets.size());
-  for (int order = 2; order >= 1; --order) {
-    const auto terms = monomials<dim>(Vector<dim>::Zero(), order).size() - 1;
-    if (n < 2 * terms && order > 1) continue;
-    Eigen::MatrixXd rows(n, terms);
-    Eigen::Matrix<double, Eigen::Dynamic, dim> right(n, dim);
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const double w = std::sqrt(weights[k]);
-      rows.row(k) = w * monomials<dim>(offsets[k], order).tail(terms).transpose();
-      right.row(k) = w * values[k].transpose();
-    }
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> fit(rows);
-    if (fit.rank() < terms && order > 1) continue;
-    return fit.solve(right).template topRows<dim>().transpose();
-  }
-  return Eigen::Matrix<double, dim, dim>::Zero();
-}
-
 }  // namespace
 
 template <int dim>
@@ -121,51 +97,10 @@ std::vector<double> pressure_at(const State<dim>& state, const std::vector<Vecto
       weights.push_back(kernel.value((points[j] - places[p]).norm()));
       values.push_back(Vector<1>(particles.pseudo_pressure[source]));
     }
-    const double psi = fitted_value(offsets, weights, values, 1)[0];
+    const double psi = fitted_value(offsets, weights, values, 2)[0];
     result.push_back(particles.density * (state.balanced_acceleration.dot(places[p]) - psi));
   }
   return result;
-}
-
-template <int dim>
-Vector<dim> force_on_surface(const State<dim>& state, const ShapedWall<dim>& wall,
-                             const std::vector<WallPatch<dim>>& patches, double dynamic_viscosity) {
-  const auto& particles = state.particles;
-  const double dx = particles.spacing;
-  const Kernel<dim> kernel(1.25 * state.kernel.smoothing_length());
-  std::vector<Vector<dim>> extended;
-  state.images.extend_for_viscosity(particles.velocity, extended);
-  std::vector<Vector<dim>> places;
-  for (const auto& patch : patches) places.push_back(patch.centre);
-  const auto& points = state.images.points();
-  Support<dim> support;
-  support.build_around(kernel, places, points, particles.volume);
-  Vector<dim> force = Vector<dim>::Zero();
-  for (std::size_t p = 0; p < patches.size(); ++p) {
-    std::vector<Vector<dim>> offsets;
-    std::vector<double> weights;
-    std::vector<Vector<1>> psi;
-    std::vector<Vector<dim>> velocity;
-    for (const std::int32_t j : support.of(p).index) {
-      const Vector<dim> r = points[j] - places[p];
-      if (r.dot(patches[p].normal) < 0.0 || state.images.by_shaped_wall(j)) continue;
-      const std::int32_t source = state.images.source(j);
-      if (static_cast<std::size_t>(source) >= particles.unknowns) continue;
-      offsets.push_back(r / dx);
-      weights.push_back(kernel.value(r.norm()));
-      psi.push_back(Vector<1>(particles.pseudo_pressure[source]));
-      velocity.push_back(extended[j]);
-    }
-    if (offsets.empty()) continue;
-    const double pressure = particles.density * (state.balanced_acceleration.dot(places[p]) -
-                                                 fitted_value(offsets, weights, psi, 1)[0]);
-    force -= patches[p].area * pressure * patches[p].normal;
-    if (!wall.no_slip || dynamic_viscosity == 0.0) continue;
-    const auto gradient = gradient_from_zero(offsets, weights, velocity);
-    force += patches[p].area * dynamic_viscosity / dx *
-             ((gradient + gradient.transpose()) * patches[p].normal);
-  }
-  return force;
 }
 
 template <int dim>
@@ -196,10 +131,6 @@ std::vector<Vector<dim>> displacement_of(const ElasticSolid<dim>& solid,
   return result;
 }
 
-template Vector<2> force_on_surface(const State<2>&, const ShapedWall<2>&,
-                                    const std::vector<WallPatch<2>>&, double);
-template Vector<3> force_on_surface(const State<3>&, const ShapedWall<3>&,
-                                    const std::vector<WallPatch<3>>&, double);
 template std::vector<double> pressure_at<2>(const State<2>&, const std::vector<Vector<2>>&);
 template std::vector<double> pressure_at<3>(const State<3>&, const std::vector<Vector<3>>&);
 template std::vector<Vector<2>> velocity_at<2>(const State<2>&, const std::vector<Vector<2>>&);

@@ -15,18 +15,10 @@ template <int dim>
 std::vector<Vector<dim>> velocity_at(const State<dim>& state,
                                      const std::vector<Vector<dim>>& places);
 
-/// Pressure (Pa) by moving least squares with linear terms, images included (dp/dn = 0 at walls). A
+/// Pressure (Pa) by the same least squares; images included (dp/dn = 0 at walls). A
 /// single step's pressure is noisy; its mean over time is what a comparison may use.
 template <int dim>
 std::vector<double> pressure_at(const State<dim>& state, const std::vector<Vector<dim>>& places);
-
-/// Force of the fluid on a shaped wall at rest: the sum of (-p n + mu (grad u + grad u^T) n) over
-/// its patches. Pressure by a linear fit to the fluid on its side; velocity by a quadratic fit that
-/// is zero at the wall (no slip; a free-slip wall has no friction). `dynamic_viscosity` in Pa s. N;
-/// N/m in the plane.
-template <int dim>
-Vector<dim> force_on_surface(const State<dim>& state, const ShapedWall<dim>& wall,
-                             const std::vector<WallPatch<dim>>& patches, double dynamic_viscosity);
 
 /// Displacement of material points of the solid: the linear least-squares fit of the displacements
 /// of the solid particles that lay within 2.1 dx of the point at rest (farther at a corner, until

@@ -86,22 +86,28 @@ template <int dim>
 void keep_inside_walls(std::vector<Vector<dim>>& sites, double spacing,
                        const std::vector<ShapedWall<dim>>& walls) {
   if (walls.empty()) return;
-  std::vector<double> depth(sites.size(), std::numeric_limits<double>::infinity());
+  std::vector<WallView<dim>> nearest(sites.size());
   double volume = 0.0;
   for (std::size_t k = 0; k < sites.size(); ++k) {
+    nearest[k].distance = std::numeric_limits<double>::infinity();
     for (const auto& wall : walls)
-      depth[k] = std::min(depth[k], wall.shape->view(sites[k]).distance);
-    volume += std::clamp(0.5 + depth[k] / spacing, 0.0, 1.0);
+      if (const auto view = wall.shape->view(sites[k]); view.distance < nearest[k].distance)
+        nearest[k] = view;
+    volume += std::clamp(0.5 + nearest[k].distance / spacing, 0.0, 1.0);
   }
-  std::vector<double> sorted = depth;
+  std::vector<double> sorted;
+  for (const auto& view : nearest) sorted.push_back(view.distance);
   std::sort(sorted.begin(), sorted.end(), std::greater<>());
   const auto wanted = std::min(static_cast<std::size_t>(std::lround(volume)), sites.size());
-  // Never closer to a wall than a quarter of the spacing; equal depths stand or fall together.
-  const double least =
-      std::max(wanted > 0 ? sorted[wanted - 1] * (1.0 - 1e-9) : 0.0, 0.25 * spacing);
+  if (wanted == 0) return sites.clear();
+  // Equal depths stand or fall together. What lies on the wall or just beyond it is brought in,
+  // from where relaxing spreads it.
+  const double least = sorted[wanted - 1] - 1e-9 * spacing;
   std::vector<Vector<dim>> kept;
   for (std::size_t k = 0; k < sites.size(); ++k)
-    if (depth[k] >= least) kept.push_back(sites[k]);
+    if (nearest[k].distance >= least)
+      kept.push_back(sites[k] +
+                     std::max(0.0, 0.25 * spacing - nearest[k].distance) * nearest[k].normal);
   sites.swap(kept);
 }
 
@@ -295,6 +301,27 @@ double visible_speed(const Problem& problem) {
   return speed;
 }
 
+/// The force on a curved wall is read from the layer of fluid about it, which must be its own.
+template <int dim>
+void add_wall_forces(const Document& document, ParticleScene<dim>& scene) {
+  const auto& state = scene.simulation->state();
+  const auto& walls = scene.problem.curved_walls;
+  for (const auto& probe : scene.problem.probes.force) {
+    if (probe.curved_wall.empty()) continue;
+    const Table table = document.table("probes." + probe.name);
+    const auto wall = std::find_if(walls.begin(), walls.end(),
+                                   [&](const auto& w) { return w.name == probe.curved_wall; });
+    const auto& shaped = state.images.shaped()[wall - walls.begin()];
+    const WallForce<dim> force(state, shaped);
+    if (!force.obstacle().empty()) table.refuse("force_on", force.obstacle());
+    if (state.balanced_acceleration.norm() > 0.0 && shaped.shape->patches(1.0).empty())
+      table.refuse("force_on",
+                   "is not measured on a cylinder in space under gravity: the weight of what it "
+                   "displaces has no end; leave gravity out");
+    scene.wall_forces.emplace(probe.curved_wall, force);
+  }
+}
+
 /// Sweeps that spread the fluid before the start; a lattice needs none.
 constexpr int relaxing_sweeps = 200;
 
@@ -352,6 +379,7 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
   // Once more, now at the places where the particles begin.
   start_velocity(problem, document, simulation.state().particles);
   simulation.prescribe();
+  add_wall_forces(document, scene);
   return scene;
 }
 

@@ -5,8 +5,10 @@
 #include "scene/problem.hpp"
 #include "sph/effects/elastic_solid.hpp"
 #include "sph/simulation.hpp"
+#include "sph/wall_force.hpp"
 
 #include <filesystem>
+#include <map>
 
 namespace sprung::sph {
 
@@ -41,6 +43,7 @@ struct ParticleScene {
   std::unique_ptr<Simulation<dim>> simulation;
   ElasticSolid<dim>* solid = nullptr;  ///< null where the scene has none; owned by the simulation
   std::vector<BodyRange> bodies;
+  std::map<std::string, WallForce<dim>> wall_forces;  ///< by curved wall, where a probe asks for it
   std::vector<std::string> warnings;
   std::vector<std::string> effects;      ///< what the scene calls for, one line each
   std::vector<std::string> effects_off;  ///< what it does not

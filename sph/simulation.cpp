@@ -1,6 +1,7 @@
 #include "sph/simulation.hpp"
 
 #include "scene/progress.hpp"
+#include "sph/symmetric_form.hpp"
 
 #include <Eigen/LU>
 
@@ -76,6 +77,7 @@ Simulation<dim>::Simulation(Numerics numerics, Particles<dim> particles, Images<
              {},
              Kernel<dim>(numerics_.smoothing_length_ratio * state_.particles.spacing),
              {},
+             Vector<dim>::Zero(),
              Vector<dim>::Zero(),
              {},
              {}},
@@ -240,11 +242,14 @@ void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
     const auto near = state_.support.of(i);
     const Vector<dim> u = extended_velocity_[i], x = points[i];
     if (corrected) {
-      Eigen::Matrix<double, dim, dim> sum = Eigen::Matrix<double, dim, dim>::Zero();
-      for (std::size_t k = 0; k < near.index.size(); ++k)
-        sum += (near.gradient_factor[k] * (extended_velocity_[near.index[k]] - u)) *
-               (x - points[near.index[k]]).transpose();
-      result[i] = particles.volume * (sum * state_.gradient_correction[i].transpose()).trace();
+      const Matrix<dim> correction = state_.gradient_correction[i];
+      double sum = 0.0;
+      for (std::size_t k = 0; k < near.index.size(); ++k) {
+        const Vector<dim> r = x - points[near.index[k]];
+        const Vector<dim> du = extended_velocity_[near.index[k]] - u;
+        sum += near.gradient_factor[k] * du.dot(correction.lazyProduct(r));
+      }
+      result[i] = particles.volume * sum;
       continue;
     }
     double sum = 0.0;
@@ -271,31 +276,29 @@ void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
 template <int dim>
 void Simulation<dim>::correct_gradients() {
   if (!numerics_.gradient_correction) return;
-  using Matrix = Eigen::Matrix<double, dim, dim>;
   const auto& particles = state_.particles;
   const auto& points = state_.images.points();
   state_.gradient_correction.resize(particles.unknowns);
   // Prescribed particles have none of their own.
-  state_.laplacian_correction.assign(particles.size(), Matrix::Identity());
+  state_.laplacian_correction.assign(particles.size(), Matrix<dim>::Identity());
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < particles.unknowns; ++i) {
     const auto near = state_.support.of(i);
-    Matrix moment = Matrix::Zero();
-    for (std::size_t k = 0; k < near.index.size(); ++k) {
-      const Vector<dim> r = points[i] - points[near.index[k]];
-      moment -= (particles.volume * near.gradient_factor[k]) * r * r.transpose();
-    }
+    OuterProductSum<dim> outer;
+    for (std::size_t k = 0; k < near.index.size(); ++k)
+      outer.add(near.gradient_factor[k], points[i] - points[near.index[k]]);
+    const Matrix<dim> moment = -particles.volume * outer.sum();
     constexpr double least_determinant = 0.2;  // of the whole lattice's 1
     if (moment.determinant() <= least_determinant) {
-      state_.gradient_correction[i] = Matrix::Identity();
+      state_.gradient_correction[i] = Matrix<dim>::Identity();
       continue;
     }
     state_.gradient_correction[i] = moment.inverse();
     const double mean = moment.trace() / dim;
-    const Matrix uneven = moment - mean * Matrix::Identity();
+    const Matrix<dim> uneven = moment - mean * Matrix<dim>::Identity();
     const double strength = 0.5 * (dim + 2) / (mean * mean);
     state_.laplacian_correction[i] =
-        (1.0 + strength * uneven.squaredNorm() / dim) / mean * Matrix::Identity() -
+        (1.0 + strength * uneven.squaredNorm() / dim) / mean * Matrix<dim>::Identity() -
         strength * uneven;
   }
 }

@@ -12,7 +12,9 @@ GravityEffect<dim>::GravityEffect(const Gravity& gravity, const std::vector<Peri
 
 template <int dim>
 void GravityEffect<dim>::set(State<dim>& state) {
-  state.balanced_acceleration = waveform_.value(state.clock.time) * balanced_;
+  const Clock& clock = state.clock;
+  state.balanced_acceleration = waveform_.value(clock.time) * balanced_;
+  state.driving_acceleration = waveform_.value(clock.time - 0.5 * clock.time_step) * driving_;
 }
 
 /// The mean over the step: the force at the middle of it.

@@ -28,6 +28,8 @@ struct State {
   /// The part of a uniform force per mass that pressure alone balances, m/s2. It never enters the
   /// motion: pseudo_pressure is psi + a . x, and only what shows or prescribes a pressure uses it.
   Vector<dim> balanced_acceleration = Vector<dim>::Zero();
+  /// The rest of a uniform force per mass, which drives the flow, in the last step, m/s2.
+  Vector<dim> driving_acceleration = Vector<dim>::Zero();
   /// L_i, to be applied to a particle's sums over V F r; empty without gradient correction.
   std::vector<Eigen::Matrix<double, dim, dim>> gradient_correction = {};
   /// A_i: a pair's term of the viscous sum counts e . (A_i + A_j)/2 e, e along the pair; empty

@@ -16,7 +16,7 @@ Vector<dim> ShiftingEffect<dim, Direction>::direction(
     for (const std::int32_t j : near.index) {
       const Vector<dim> r = points[i] - points[j];
       const double d2 = r.squaredNorm(), d = std::sqrt(d2);
-      sum += r / (d * d2);
+      sum += (1.0 / (d * d2)) * r;
       mean_distance += d;
     }
     mean_distance /= static_cast<double>(near.index.size());

@@ -1,5 +1,7 @@
 #include "sph/effects/viscosity.hpp"
 
+#include "sph/symmetric_form.hpp"
+
 namespace sprung::sph {
 
 template <int dim, class Law>
@@ -54,14 +56,16 @@ Vector<dim> ViscosityEffect<dim, Law>::corrected_sum(
     const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
   const auto& points = state.images.points();
   const auto& correction = state.laplacian_correction;
+  const Matrix<dim> own = correction[i];
   const Vector<dim> u_i = extended_velocity_[i];
   Vector<dim> sum = Vector<dim>::Zero();
+  const std::size_t inner = state.support.inner(i).index.size();
   for (std::size_t k = 0; k < near.index.size(); ++k) {
     const std::int32_t j = near.index[k];
     const Vector<dim> r = points[i] - points[j];
-    const double factor =
-        0.5 * r.dot((correction[i] + correction[state.images.source(j)]) * r) / r.squaredNorm();
-    sum += law_.of_pair(state, i, j) * factor * near.gradient_factor[k] *
+    const auto& other = correction[k < inner ? j : state.images.source(j)];
+    const double form = quadratic_form<dim>(own, r) + quadratic_form<dim>(other, r);
+    sum += (law_.of_pair(state, i, j) * 0.5 * form / r.squaredNorm() * near.gradient_factor[k]) *
            (u_i - extended_velocity_[j]);
   }
   return sum;

@@ -117,7 +117,8 @@ void CellLevels::build(const PressureMatrix& matrix, const CellMap& map) {
   factorise(matrix.singular());
 }
 
-/// Each cell sums the rows of its own particles, so that threads never meet.
+/// Each cell sums the rows of its own particles, so that threads never meet: of each pair only the
+/// entry above the diagonal, the other half by symmetry.
 void CellLevels::collect_pairs(const PressureMatrix& matrix, const CellMap& map) {
   Level& level = levels_[0];
   const std::size_t n = matrix.rows();
@@ -129,26 +130,35 @@ void CellLevels::collect_pairs(const PressureMatrix& matrix, const CellMap& map)
     member_[begin_[map.cell_of[i]]++] = static_cast<std::int32_t>(i);
   for (std::size_t c = level.cells(); c > 0; --c) begin_[c] = begin_[c - 1];
   begin_[0] = 0;
-  const int self = level.slots / 2;
+  upper_.assign(level.coefficient.size(), 0.0);
+  const int slots = level.slots, self = slots / 2;
   const auto cells = static_cast<std::ptrdiff_t>(level.cells());
-#pragma omp parallel for schedule(dynamic, 64)
-  for (std::ptrdiff_t c = 0; c < cells; ++c) {
-    double* const row = &level.coefficient[static_cast<std::size_t>(c) * level.slots];
-    const auto here = static_cast<std::int32_t>(c);
-    std::int32_t last = here;
-    int last_slot = self;
-    for (std::int32_t m = begin_[c]; m < begin_[c + 1]; ++m) {
-      const std::int32_t i = member_[m];
-      row[self] += matrix.diagonal()[i];
-      matrix.for_each(i, [&](std::int32_t j, double a) {
-        const std::int32_t other = map.cell_of[j];
-        if (other != last) {
-          last = other;
-          last_slot = slot(level, here, other);
-        }
-        row[last_slot] -= a;
-      });
+#pragma omp parallel
+  {
+    // Of the cells about the one at work: their place among its neighbours.
+    std::vector<std::int8_t> slot_of(level.cells());
+#pragma omp for schedule(dynamic, 64)
+    for (std::ptrdiff_t c = 0; c < cells; ++c) {
+      const std::size_t first = static_cast<std::size_t>(c) * slots;
+      double* const row = &upper_[first];
+      // Where there is no neighbour its entry names the cell itself, whose own slot comes last.
+      for (int s = 0; s < slots; ++s)
+        slot_of[level.neighbour[first + s]] = static_cast<std::int8_t>(s);
+      slot_of[c] = static_cast<std::int8_t>(self);
+      for (std::int32_t m = begin_[c]; m < begin_[c + 1]; ++m) {
+        row[self] += 0.5 * matrix.diagonal()[member_[m]];
+        matrix.for_each_upper(member_[m],
+                              [&](std::int32_t j, double a) { row[slot_of[map.cell_of[j]]] -= a; });
+      }
     }
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t c = 0; c < cells; ++c)
+      for (int s = 0; s < slots; ++s) {
+        const std::size_t at = static_cast<std::size_t>(c) * slots + s;
+        const std::size_t other = level.neighbour[at];
+        if (s != self && other == static_cast<std::size_t>(c)) continue;
+        level.coefficient[at] = upper_[at] + upper_[other * slots + (slots - 1 - s)];
+      }
   }
 }
 

@@ -56,6 +56,7 @@ class CellLevels {
   std::vector<Level> levels_;
   std::array<std::int32_t, 3> laid_out_{};
   std::vector<std::int32_t> begin_, member_;  ///< particles of each cell
+  std::vector<double> upper_;  ///< [cell][slot], the pairs' entries above the diagonal
   Eigen::SparseMatrix<double> last_;
   Eigen::CholmodSimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor_;
   Eigen::VectorXd right_, solution_;

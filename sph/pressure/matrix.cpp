@@ -29,8 +29,7 @@ void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>
   column_ = support.indices();
   factor_ = support.gradient_factors();
   first_ = support.starts();
-  lower_ = support.lower_counts();
-  inner_ = support.inner_counts();
+  ends_ = support.ends();
   scale_ = -2.0 * particles.volume;
   diagonal_.resize(n);
   boundary_source_.resize(n);
@@ -48,10 +47,7 @@ void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>
     double diagonal = 0.0, source = 0.0;
     for (const double f : support.inner(i).gradient_factor) diagonal += scale_ * f;
     const auto outside = support.outer(i);
-    // Lower columns grow from the begin of the row's room, upper ones from its end.
-    std::int32_t front = folded_[i].begin;
-    std::int32_t back = front + static_cast<std::int32_t>(outside.index.size());
-    const std::int32_t room = back;
+    std::int32_t folded = folded_[i].begin;
     for (std::size_t k = 0; k < outside.index.size(); ++k) {
       const std::int32_t j = images.source(outside.index[k]);
       double a = scale_ * outside.gradient_factor[k];
@@ -66,34 +62,45 @@ void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>
       if (static_cast<std::size_t>(j) == i) continue;
       a = coefficient(images, i, outside.index[k], a, kernel, scale_);
       diagonal += a;
-      const std::int32_t place = static_cast<std::size_t>(j) < i ? front++ : --back;
-      folded_column_[place] = j;
-      folded_value_[place] = a;
+      folded_column_[folded] = j;
+      folded_value_[folded++] = a;
     }
     if (diagonal < full_weight) {
       diagonal = full_weight;
       pinned = true;
     }
-    std::copy(folded_column_.begin() + back, folded_column_.begin() + room,
-              folded_column_.begin() + front);
-    std::copy(folded_value_.begin() + back, folded_value_.begin() + room,
-              folded_value_.begin() + front);
-    folded_[i].upper = front;
-    folded_[i].end = front + (room - back);
+    sort_into_parts(i, folded - folded_[i].begin);
     diagonal_[i] = diagonal;
     boundary_source_[i] = source;
   }
   singular_ = !pinned;
 }
 
+/// Entries folded into row i: columns before its block, lower, upper, and after its block.
+void PressureMatrix::sort_into_parts(std::size_t i, std::int32_t entries) {
+  Folded& row = folded_[i];
+  row.end = row.begin + entries;
+  const auto self = static_cast<std::int32_t>(i);
+  const auto block_first = static_cast<std::int32_t>(i - i % support_block);
+  std::int32_t place = row.begin;
+  // A row has few of them: what lies below a limit is moved to the front, one limit after another.
+  const auto gather_below = [&](std::int32_t limit) {
+    for (std::int32_t k = place; k < row.end; ++k)
+      if (folded_column_[k] < limit) {
+        std::swap(folded_column_[k], folded_column_[place]);
+        std::swap(folded_value_[k], folded_value_[place++]);
+      }
+    return place;
+  };
+  row.before_block = gather_below(block_first);
+  row.lower = gather_below(self);
+  row.in_block = gather_below(block_first + static_cast<std::int32_t>(support_block));
+}
+
 void PressureMatrix::multiply(std::span<const double> x, std::span<double> y) const {
   const std::size_t n = rows();
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < n; ++i) {
-    double sum = diagonal_[i] * x[i];
-    for_each(i, [&](std::int32_t j, double a) { sum -= a * x[j]; });
-    y[i] = sum;
-  }
+  for (std::size_t i = 0; i < n; ++i) y[i] = diagonal_[i] * x[i] - sum(i, x.data());
 }
 
 template void PressureMatrix::assemble<2>(const Particles<2>&, const Images<2>&, const Support<2>&,

@@ -8,7 +8,7 @@ namespace sprung::sph {
 namespace {
 
 /// Multiplicative and symmetric: forward Gauss-Seidel from zero, coarse correction, backward sweep.
-/// The sweeps run inside blocks of fixed size side by side, so the bits do not depend on the
+/// The sweeps run inside the blocks of the support side by side, so the bits do not depend on the
 /// threads.
 class TwoLevel final : public Preconditioner {
  public:
@@ -34,58 +34,45 @@ class TwoLevel final : public Preconditioner {
   }
 
  private:
-  static constexpr std::size_t sweep_block = 2048;
+  /// Calls sweep(begin, end) for every block.
+  template <typename Sweep>
+  static void for_each_block(std::size_t n, Sweep&& sweep) {
+    const auto blocks = static_cast<std::ptrdiff_t>((n + support_block - 1) / support_block);
+#pragma omp parallel for schedule(static)
+    for (std::ptrdiff_t b = 0; b < blocks; ++b)
+      sweep(b * support_block, std::min(n, (b + 1) * support_block));
+  }
 
-  /// (D - L) z = r within each block; then w = r - A z.
+  /// (D - L) z = r within each block; then w = r - A z, which is what the sweep has not seen: the
+  /// columns right of the diagonal, and those of other blocks.
   void forward_sweep(const PressureMatrix& matrix, const std::vector<double>& r,
                      std::vector<double>& z) {
-    const std::size_t n = matrix.rows();
-    const auto blocks = static_cast<std::ptrdiff_t>((n + sweep_block - 1) / sweep_block);
-#pragma omp parallel for schedule(static)
-    for (std::ptrdiff_t b = 0; b < blocks; ++b) {
-      const std::size_t begin = b * sweep_block, end = std::min(n, begin + sweep_block);
-      for (std::size_t i = begin; i < end; ++i) {
-        double sum = r[i];
-        matrix.for_each_lower(i, [&](std::int32_t j, double a) {
-          if (static_cast<std::size_t>(j) >= begin) sum += a * z[j];
-        });
-        z[i] = sum * inverse_diagonal_[i];
-      }
-    }
-    // (D - L) z = r inside a block, so the residual r - A z is what the sweep has not seen: the
-    // columns right of the diagonal, and those left of it in other blocks.
-#pragma omp parallel for schedule(static)
-    for (std::ptrdiff_t b = 0; b < blocks; ++b) {
-      const std::size_t begin = b * sweep_block, end = std::min(n, begin + sweep_block);
-      for (std::size_t i = begin; i < end; ++i) {
-        double sum = 0.0;
-        matrix.for_each_upper(i, [&](std::int32_t j, double a) { sum += a * z[j]; });
-        matrix.for_each_lower(i, [&](std::int32_t j, double a) {
-          if (static_cast<std::size_t>(j) < begin) sum += a * z[j];
-        });
-        w_[i] = sum;
-      }
-    }
+    constexpr auto order = PressureMatrix::Order::ascending;
+    for_each_block(matrix.rows(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        z[i] = (r[i] + matrix.lower_in_block<order>(i, z.data())) * inverse_diagonal_[i];
+    });
+    for_each_block(matrix.rows(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        w_[i] = matrix.before_block<order>(i, z.data()) +
+                matrix.upper_in_block<order>(i, z.data()) + matrix.after_block<order>(i, z.data());
+    });
   }
 
   /// On the residual that is left; outside the block the values are those before it.
   void backward_sweep(const PressureMatrix& matrix, const std::vector<double>& r,
                       std::vector<double>& z) {
-    const std::size_t n = matrix.rows();
-    const auto blocks = static_cast<std::ptrdiff_t>((n + sweep_block - 1) / sweep_block);
+    constexpr auto order = PressureMatrix::Order::descending;
     before_ = z;
-#pragma omp parallel for schedule(static)
-    for (std::ptrdiff_t b = 0; b < blocks; ++b) {
-      const std::size_t begin = b * sweep_block, end = std::min(n, begin + sweep_block);
+    for_each_block(matrix.rows(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = end; i-- > begin;) {
-        double sum = r[i];
-        matrix.for_each(i, [&](std::int32_t column, double a) {
-          const auto j = static_cast<std::size_t>(column);
-          sum += a * (j >= begin && j < end ? z[j] : before_[j]);
-        });
+        double sum = r[i] + matrix.after_block<order>(i, before_.data());
+        sum += matrix.upper_in_block<order>(i, z.data());
+        sum += matrix.lower_in_block<order>(i, before_.data());
+        sum += matrix.before_block<order>(i, before_.data());
         z[i] = sum * inverse_diagonal_[i];
       }
-    }
+    });
   }
 
   std::vector<double> w_, before_;

@@ -61,14 +61,14 @@ std::string pressure_channel(double offset = 0.0, const std::string& numerics = 
 }
 
 /// `middle`: height of the cylinder's centre above the channel's middle.
-std::string cylinder(double middle = 0.03125, const std::string& numerics = "") {
+std::string cylinder(double middle = 0.015625, const std::string& numerics = "") {
   return head(1.0, 0.5, 0.15) +
          fmt::format(
              "[viscosity]\ndynamic = \"10 Pa s\"\n[walls]\nno_slip = [\"bottom\", "
              "\"top\"]\n[inflow]\nside = \"left\"\nprofile = \"parabolic\"\nmean_velocity = \"0.5 "
              "m/s\"\nramp = \"0.1 s\"\n[outflow]\nside = \"right\"\npressure = \"0 Pa\"\n"
              "[curved_wall.cylinder]\ncircle = {{ centre = [\"0.34375 m\", \"{} m\"], radius = "
-             "\"0.1 "
+             "\"0.085 "
              "m\" }}\nfluid = \"outside\"\nslip = \"no_slip\"\n[probes.drag]\nforce_on = "
              "\"cylinder\"\n",
              middle) +
@@ -157,8 +157,8 @@ const std::string tight = "pressure_tolerance = 1e-13";
 // Sums run in another order, so equality holds to round-off as it grows over the run.
 TEST(Mirror, ACylinderBelowTheMiddleIsOneAboveUpsideDown) {
   const TemporaryFolder folder;
-  ASSERT_EQ(run_scene(cylinder(0.03125, tight), folder.path() / "above"), Outcome::finished);
-  ASSERT_EQ(run_scene(cylinder(-0.03125, tight), folder.path() / "below"), Outcome::finished);
+  ASSERT_EQ(run_scene(cylinder(0.015625, tight), folder.path() / "above"), Outcome::finished);
+  ASSERT_EQ(run_scene(cylinder(-0.015625, tight), folder.path() / "below"), Outcome::finished);
   const RecordReader above(folder.path() / "above"), below(folder.path() / "below");
   expect_mirrored(above, below, 0.15, 1e-7);
   const auto drag = above.series("drag").column("force_x"),

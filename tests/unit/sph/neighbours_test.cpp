@@ -102,6 +102,27 @@ TEST(Support, RebuildsForFewerAndMoreParticles) {
   EXPECT_EQ(support.of(20 * 40 + 20).index.size(), 20u);
 }
 
+TEST(Support, OwnersOfOtherBlocksStandApart) {
+  const auto points = test::lattice<2>({90, 60}, 0.1, 0.3, 4);
+  const std::size_t owners = 5000;
+  ASSERT_GT(owners, 2 * support_block);
+  Support<2> support;
+  support.build(Kernel<2>(0.13), points, owners, 0.01);
+  std::size_t other = 0;
+  for (std::size_t i = 0; i < owners; ++i) {
+    const auto inner = support.inner(i).index;
+    const SupportEnds ends = support.ends()[i];
+    for (std::int32_t k = 0; k < ends.inner; ++k) {
+      const std::size_t block = static_cast<std::size_t>(inner[k]) / support_block;
+      const bool before = k < ends.before_block, after = k >= ends.in_block;
+      EXPECT_EQ(before, block < i / support_block);
+      EXPECT_EQ(after, block > i / support_block);
+      other += before || after;
+    }
+  }
+  EXPECT_GT(other, 0u);
+}
+
 TEST(Support, PartsOfAListAreOwnersBelowOwnersAboveAndTheRest) {
   const auto points = test::lattice<2>({12, 10}, 0.1, 0.4, 9);
   const std::size_t owners = 70;
@@ -127,8 +148,10 @@ TEST(Support, PartsOfAListAreOwnersBelowOwnersAboveAndTheRest) {
     const std::size_t first = support.starts()[i];
     EXPECT_EQ(support.indices() + first, support.of(i).index.data());
     EXPECT_EQ(support.gradient_factors() + first, support.of(i).gradient_factor.data());
-    EXPECT_EQ(static_cast<std::size_t>(support.lower_counts()[i]), support.lower(i).index.size());
-    EXPECT_EQ(static_cast<std::size_t>(support.inner_counts()[i]), support.inner(i).index.size());
+    const SupportEnds ends = support.ends()[i];
+    EXPECT_EQ(static_cast<std::size_t>(ends.lower), support.lower(i).index.size());
+    EXPECT_EQ(static_cast<std::size_t>(ends.inner), support.inner(i).index.size());
+    EXPECT_EQ(static_cast<std::size_t>(ends.all), support.of(i).index.size());
     for (std::size_t k = 0; k < support.of(i).index.size(); ++k) {
       const double r = (points[i] - points[support.of(i).index[k]]).norm();
       EXPECT_NEAR(support.of(i).gradient_factor[k], Kernel<2>(0.13).gradient_factor(r), 1e-9);
