@@ -134,8 +134,8 @@ int poisson(const Arguments& a) {
                         {sph::Bonds::equal, 0.0, 1.3, 16},
                         {sph::Bonds::isotropic, 300.0, 0.0, 8}};
   Sheet sheet{
-      "k_e_pa,stress_pa,dimension,bonds,area_stiffness,smoothing_length_ratio,layers,core_axial,"
-      "core_lateral,poisson_ratio,poisson_derived",
+      "k_e_pa,stress_pa,dimension,bonds,area_stiffness,smoothing_length_ratio,layers,axial_strain,"
+      "lateral_strain,poisson_ratio,poisson_derived",
       {}};
   const double began = wall_seconds();
   Progress progress("Poisson's ratio", 30.0);
@@ -154,16 +154,17 @@ int poisson(const Arguments& a) {
         const double derived =
             c.area_stiffness > 0.0
                 ? 0.5 * (1.0 + c.area_stiffness) / (2.0 + c.area_stiffness)
-                : kernel_sum_poisson_ratio<3>(c.smoothing_length_ratio, block.core_axial);
+                : kernel_sum_poisson_ratio<3>(c.smoothing_length_ratio, block.mean_axial);
         sheet.rows.push_back(fmt::format(
             "{:.6g},{:.6g},{},{:g},{},{:.8g},{:.8g},{:.5f},{:.5f}", k_e, sign * cube_stress,
-            key_of(material), c.smoothing_length_ratio, c.layers, block.core_axial,
-            block.core_lateral, poisson_ratio(3, block.core_axial, block.core_lateral), derived));
+            key_of(material), c.smoothing_length_ratio, c.layers, block.mean_axial,
+            block.mean_lateral, poisson_ratio(3, block.mean_axial, block.mean_lateral), derived));
         progress.advance(static_cast<double>(sheet.rows.size()), sheet.rows.back());
       }
   publish(std::filesystem::path(a.out) / "poisson.csv", sheet,
           {a.command,
-           "Poisson's ratio of the core of the sweep's cube, by fewer layers: -ln(lateral "
+           "Poisson's ratio of the core (mean over its cells) of the sweep's cube, by fewer "
+           "layers: -ln(lateral "
            "stretch)/ln(stretch). "
            "Without volume springs: particle solver in vacuum, volume kept by the pressure "
            "equation with density feedback at h = smoothing_length_ratio x dx; derived: the "
@@ -382,50 +383,52 @@ int stress_strain(const Arguments& a) {
   return 0;
 }
 
-/// Poisson's ratio and volume of blocks held under their load for ten seconds.
+constexpr const char* hold_definition =
+    "Blocks of n layers along each axis pulled by the particle solver in vacuum (load: force on a "
+    "particle of an end layer over k_e dx^(dimension-1)), brought to rest by damping and then "
+    "held; k_e/density = 10 m2/s2. Without volume springs the pressure equation with density "
+    "feedback keeps the volume (h = 1.3 dx, in space dx), springs explicit; with them springs "
+    "implicit, no feedback, bonds corrected at the surface. Poisson's ratio of the core (mean over "
+    "its cells), -ln(lateral stretch)/ln(stretch), in the plane r/(1+r) of that. Volume: of the "
+    "lattice cells.";
+
+/// Poisson's ratio and volume of blocks held under their load for ten seconds. A row is written as
+/// soon as it is measured; --resume keeps those of this very program.
 int hold(const Arguments& a) {
-  const double began = wall_seconds();
-  Sheet sheet{
-      "dimension,bonds,area_stiffness,layers,load,seconds,strain_before,strain_after,"
-      "poisson_before,poisson_after,volume_drift_per_second",
-      {}};
+  const auto file = std::filesystem::path(a.out) / "hold.csv";
+  const std::string header =
+      "dimension,bonds,area_stiffness,load,layers,seconds,strain_before,strain_after,"
+      "poisson_before,poisson_after,volume_drift_per_second";
+  Sheet sheet = read_sheet(file);
+  if (sheet.header != header) sheet = {header, {}};
   const Material materials[] = {{2, sph::Bonds::equal, 0.0},
                                 {2, sph::Bonds::isotropic, 300.0},
                                 {3, sph::Bonds::equal, 0.0},
                                 {3, sph::Bonds::isotropic, 300.0}};
   Progress progress("hold", 8.0);
+  double done = 0.0;
   for (const Material& material : materials)
     for (const double load : {1e-2, 1e-1}) {
+      const std::string key = fmt::format("{},{:g}", key_of(material), load);
+      const double began = wall_seconds();
       Pull pull;
-      // Near a free face the pressure equation lacks neighbours; the core, n/4 from every face,
-      // must lie beyond its support.
       pull.surface_correction = material.area_stiffness > 0.0;
       pull.smoothing_length_ratio = material.dimension == 3 ? 1.0 : 1.3;
-      pull.layers = material.dimension == 2 ? 20 : pull.surface_correction ? 8 : 12;
+      pull.layers = material.dimension == 2 ? 20 : pull.surface_correction ? 6 : 10;
       pull.load = load;
       pull.tolerance = 1e-5;
-      const HeldBlock held = material.dimension == 3 ? hold_block<3>(material, pull, a.seconds)
-                                                     : hold_block<2>(material, pull, a.seconds);
-      sheet.rows.push_back(
-          fmt::format("{},{},{:g},{:g},{:.6f},{:.6f},{:.5f},{:.5f},{:.3e}", key_of(material),
-                      pull.layers, load, held.seconds, held.strain_before, held.strain_after,
-                      held.poisson_ratio_before, held.poisson_ratio_after, held.volume_drift));
-      fmt::print("{}\n", sheet.rows.back());
-      progress.advance(static_cast<double>(sheet.rows.size()), key_of(material));
+      if (!a.resume || !row_is_current(file, key)) {
+        const HeldBlock held = material.dimension == 3 ? hold_block<3>(material, pull, a.seconds)
+                                                       : hold_block<2>(material, pull, a.seconds);
+        replace_row(
+            sheet, key,
+            fmt::format("{},{},{:g},{:.6f},{:.6f},{:.5f},{:.5f},{:.3e}", key, pull.layers,
+                        held.seconds, held.strain_before, held.strain_after,
+                        held.poisson_ratio_before, held.poisson_ratio_after, held.volume_drift));
+        publish(file, sheet, {a.command, hold_definition, wall_seconds() - began, {key}});
+      }
+      progress.advance(++done, key);
     }
-  publish(
-      std::filesystem::path(a.out) / "hold.csv", sheet,
-      {a.command,
-       "Blocks of n layers along each axis pulled by the particle solver in vacuum (load: force "
-       "on a particle of an end layer over k_e dx^(dimension-1)), brought to rest by damping "
-       "and then held; k_e/density = 10 m2/s2. Without volume springs the pressure equation "
-       "with density feedback keeps the volume (h = 1.3 dx, in space dx), springs explicit; with "
-       "them springs implicit, "
-       "no feedback, bonds corrected at the surface. Poisson's ratio of the core, -ln(lateral "
-       "stretch)/ln(stretch), in the "
-       "plane r/(1+r) of that. Volume: of the lattice cells.",
-       wall_seconds() - began,
-       {}});
   return 0;
 }
 
@@ -473,6 +476,7 @@ int main(int argc, char** argv) {
   app.add_subcommand("directions", "lambda against the direction of the load");
   app.add_subcommand("stress-strain", "springs against the neo-Hookean solid to 30 % and shear");
   CLI::App& held = *app.add_subcommand("hold", "Poisson's ratio and volume of blocks under load");
+  held.add_flag("--resume", a.resume, "keep rows that this very program has measured already");
   held.add_option("--seconds", a.seconds, "how long")->check(CLI::Range(0.1, 100.0));
   app.add_subcommand("bending", "plates of few layers in stretching, bending and vibration");
   return run_program(app, argc, argv, [&] {

@@ -100,6 +100,30 @@ double strain_between(const std::vector<Vector<dim>>& rest, const std::vector<Ve
   return sum / per_layer / ((layers - 1 - 2 * margin) * spacing);
 }
 
+/// Mean gradient du_d/dx_d over the cells of the core, from the displacement of its two faces
+/// across `axis` (trapezoidal rule, exact for the lattice's cells).
+template <int dim>
+double mean_strain(const std::vector<Vector<dim>>& rest, const std::vector<Vector<dim>>& now,
+                   int layers, int margin, int axis) {
+  const auto count = cube<dim>(layers);
+  const int last = layers - 1 - margin;
+  double difference = 0.0, weights = 0.0;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const auto place = lattice_place<dim>(i, count);
+    if (place[axis] != margin && place[axis] != last) continue;
+    double weight = 1.0;
+    for (int d = 0; d < dim; ++d) {
+      if (d == axis) continue;
+      if (place[d] < margin || place[d] > last) weight = 0.0;
+      if (place[d] == margin || place[d] == last) weight *= 0.5;
+    }
+    const double u = weight * (now[i][axis] - rest[i][axis]);
+    difference += place[axis] == last ? u : -u;
+    if (place[axis] == last) weights += weight;
+  }
+  return difference / weights / ((last - margin) * side / layers);
+}
+
 template <int dim>
 PulledBlock measure(const std::vector<Vector<dim>>& rest, const std::vector<Vector<dim>>& now,
                     int layers) {
@@ -123,6 +147,9 @@ PulledBlock measure(const std::vector<Vector<dim>>& rest, const std::vector<Vect
   const Square gradient = product * moment.inverse();
   result.core_axial = gradient(0, 0);
   result.core_lateral = (gradient.trace() - gradient(0, 0)) / (dim - 1);
+  result.mean_axial = mean_strain<dim>(rest, now, layers, margin, 0);
+  for (int axis = 1; axis < dim; ++axis)
+    result.mean_lateral += mean_strain<dim>(rest, now, layers, margin, axis) / (dim - 1);
   return result;
 }
 
@@ -278,10 +305,10 @@ HeldBlock hold_block(const Material& material, const Pull& pull, double seconds)
   const double volume = loaded.volume();
   loaded.hold(seconds);
   const PulledBlock after = loaded.measured();
-  result.poisson_ratio_before = poisson_ratio(dim, before.core_axial, before.core_lateral);
-  result.poisson_ratio_after = poisson_ratio(dim, after.core_axial, after.core_lateral);
-  result.strain_before = before.core_axial;
-  result.strain_after = after.core_axial;
+  result.poisson_ratio_before = poisson_ratio(dim, before.mean_axial, before.mean_lateral);
+  result.poisson_ratio_after = poisson_ratio(dim, after.mean_axial, after.mean_lateral);
+  result.strain_before = before.mean_axial;
+  result.strain_after = after.mean_axial;
   result.volume_drift = (loaded.volume() / volume - 1.0) / seconds;
   result.seconds = seconds;
   return result;

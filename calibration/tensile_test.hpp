@@ -27,7 +27,10 @@ struct PulledBlock {
   /// displacement.
   double core_axial = 0.0;
   double core_lateral = 0.0;  ///< mean of the lateral directions
-  double unbalanced = 0.0;    ///< largest net force on a particle / load
+  /// Mean over the core's cells, by the displacement of its faces: what becomes of the core's
+  /// volume.
+  double mean_axial = 0.0, mean_lateral = 0.0;
+  double unbalanced = 0.0;  ///< largest net force on a particle / load
   int steps = 0;
 };
 

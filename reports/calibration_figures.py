@@ -179,7 +179,7 @@ def bending(rows: list[dict]):
     n = np.geomspace(1.5, 36, 200)
     grid[0].plot(n, 0.75 * (n - 1) / n, ":", color="grey", lw=1.3)
     grid[0].plot(n, (n - 1) * (2 * n - 1) / (2 * n * n), "--", color="grey", lw=1)
-    for text, place in (("¾ (n−1)/n", (10, 0.6)), ("(n−1)(2n−1)/(2n²)", (4.3, 0.86))):
+    for text, place in (("¾ (n−1)/n", (10, 0.6)), ("(n−1)(2n−1)/(2n²)", (1.85, 0.8))):
         grid[0].annotate(text, place, fontsize=8, color="#555555", va="top",
                          bbox={"fc": "white", "ec": "none", "pad": 0.5})
     for bonds, kappa, corrected, name, marker, colour in cases:
@@ -277,8 +277,8 @@ def poisson(rows: list[dict]):
     figure, axes = plt.subplots(figsize=(0.62 * style.WIDTH, 3.6), layout="constrained")
     axes.axhspan(0.495, 0.505, color="#dddddd", lw=0, zorder=0)
     for kappa, ratio, name, marker, colour in cases:
-        chosen = sorted(where(rows, area_stiffness=kappa, smoothing_length_ratio=ratio), key=lambda r: r["core_axial"])
-        strain = 100 * column(chosen, "core_axial")
+        chosen = sorted(where(rows, area_stiffness=kappa, smoothing_length_ratio=ratio), key=lambda r: r["axial_strain"])
+        strain = 100 * column(chosen, "axial_strain")
         axes.plot(strain, column(chosen, "poisson_ratio"), marker, color=colour, ms=5, mfc="none", label=name)
         axes.plot(strain, column(chosen, "poisson_derived"), "-", color=colour, lw=0.9)
     axes.plot([], [], "-", color="grey", lw=0.9, label="derived")
