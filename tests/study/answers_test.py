@@ -78,32 +78,44 @@ def measured(solver: str, spacings_mm, error, time) -> list:
             for h in spacings_mm]
 
 
+ANY = [100.0]  # a channel so long that some spacing near any one divides it
+
+
 class Recommendations(unittest.TestCase):
     # Error 1 % (h/4)^1.5, time 64 s (4/h)^3: by hand, 2 % wants h = 4 x 2^(2/3) = 6.35 mm, 16 s.
     TABLE = measured("particles", (8, 7, 5, 4), lambda h: 0.01 * (h / 4) ** 1.5, lambda h: 64.0 * (4.0 / h) ** 3)
 
     def test_a_power_law_is_met_between_the_points(self):
-        found = recommend.for_error(self.TABLE, "particles", 0.02, 0.0)
+        found = recommend.for_error(self.TABLE, "particles", 0.02, 0.0, ANY)
         self.assertAlmostEqual(found.time, 16.0, delta=0.01)
         self.assertAlmostEqual(recommend.spacing_of(found.setting) * 1e3, 6.35, delta=0.01)
         self.assertAlmostEqual(found.error_factor, 1.0, delta=1e-6)  # every point is what its neighbours say
 
+    def test_a_spacing_divides_the_channel(self):
+        self.assertAlmostEqual(recommend.dividing(0.0044, [0.9, 0.3], True), 0.3 / 69)
+        self.assertAlmostEqual(recommend.dividing(0.0044, [0.9, 0.3], False), 0.3 / 68)
+        self.assertAlmostEqual(recommend.dividing(0.01, [2.2, 0.41], True), 0.01)
+        self.assertIsNone(recommend.dividing(0.009, [2.2, 0.41], True))  # 5 mm is the next: no neighbour of 9 mm
+        found = recommend.for_error(self.TABLE, "particles", 0.02, 0.0, [0.9, 0.3])
+        self.assertAlmostEqual(recommend.spacing_of(found.setting), 0.3 / 48)  # 6.25 mm, the next finer than 6.35
+        self.assertAlmostEqual(found.time, 64.0 * (4.0 / 6.25) ** 3, delta=1e-6)
+
     def test_a_budget_is_kept_with_the_spread_of_the_repeats(self):
-        found = recommend.for_time(self.TABLE, "particles", 16.0 * 1.02, 0.0)
-        self.assertAlmostEqual(found.error, 0.02, delta=1e-5)
-        self.assertLessEqual(found.time * found.time_factor, 16.0 * 1.02 * 1.0001)
+        found = recommend.for_time(self.TABLE, "particles", 16.1 * 1.02, 0.0, ANY)
+        self.assertAlmostEqual(found.error, 0.02, delta=1e-4)
+        self.assertLessEqual(found.time * found.time_factor, 16.1 * 1.02 * 1.0001)
 
     def test_uncertainty_is_what_a_point_left_out_shows(self):
         bumped = [recommend.Measured(**{**vars(one), "error": one.error * (1.2 if k == 1 else 1.0)})
                   for k, one in enumerate(self.TABLE)]
-        found = recommend.for_error(bumped, "particles", 0.02, 0.0)
+        found = recommend.for_error(bumped, "particles", 0.02, 0.0, ANY)
         self.assertGreaterEqual(found.error_factor, 1.2 * 0.999)
         self.assertLessEqual(found.error * found.error_factor, 0.02 * 1.0001)
 
     def test_what_nothing_reaches_is_not_promised(self):
-        self.assertIsNone(recommend.for_error(self.TABLE, "particles", 0.001, 0.0))
-        self.assertIsNone(recommend.for_error(self.TABLE, "particles", 0.0101, 0.01))  # the truth is no better
-        self.assertIsNone(recommend.for_time(self.TABLE, "particles", 1.0, 0.0))
+        self.assertIsNone(recommend.for_error(self.TABLE, "particles", 0.001, 0.0, ANY))
+        self.assertIsNone(recommend.for_error(self.TABLE, "particles", 0.0101, 0.01, ANY))  # the truth is no better
+        self.assertIsNone(recommend.for_time(self.TABLE, "particles", 1.0, 0.0, ANY))
 
     def test_wrong_use_is_told(self):
         for text in ("3 parts", "-1%", "0"):
@@ -117,6 +129,19 @@ class Recommendations(unittest.TestCase):
                                     text=True)
         self.assertEqual(answer.returncode, 2)
         self.assertIn("cost_study.csv", answer.stderr)
+
+
+class Scaling(unittest.TestCase):
+    def test_exponents_and_what_they_come_to_far_away(self):
+        runs = [{"name": f"spacing.{k}", "repeat": 1, "outcome": "finished", "unknowns": n,
+                 "processor_seconds": 2e-6 * n**1.5, "peak_memory_bytes": 5e7 + 600.0 * n,
+                 "phases": {"solve": 1e-6 * n**1.5, "assembly": 1e-6 * n**1.5}} for k, n in enumerate((1000, 4000, 9000))]
+        found = cost_table.scaling("spacing", runs)
+        self.assertAlmostEqual(found["exponent"], 1.5, delta=1e-9)
+        self.assertAlmostEqual(found["bytes_per_unknown"], 600.0, delta=1e-6)
+        self.assertAlmostEqual(found["on_paper"]["1e+06"]["processor_seconds"], 2000.0, delta=1e-3)
+        self.assertAlmostEqual(found["phases"]["solve"]["share_of_finest"], 0.5)
+        self.assertIsNone(cost_table.scaling("spacing", runs[:2]))  # two points always lie on a line
 
 
 class Fronts(unittest.TestCase):

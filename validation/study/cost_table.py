@@ -13,6 +13,7 @@ import json
 import math
 import statistics
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -113,9 +114,17 @@ def manifest(plan: plans.Plan, made: list, true: dict, floor: dict, reason: str)
             "runs": len(whole), "started": [min(run["started"] for run in whole), max(run["started"] for run in whole)],
             "load_at_start": {"least": min(loads), "median": statistics.median(loads), "most": max(loads)}
             if loads else None,
-            "truth": plan.truth, "truth_error": floor, "true": {q: values.tolist() for q, values in true.items()}, "quantities": plan.quantities,
+            "truth": plan.truth, "truth_error": floor, "channel_m": channel_of(plan),
+            "true": {q: values.tolist() for q, values in true.items()}, "quantities": plan.quantities,
             "curves": {name: curve["says"] for name, curve in plan.table["curve"].items()},
+            "scaling": {curve: one for curve in plan.table["curve"] if (one := scaling(curve, made))},
             "phases": {run["name"]: run["phases"] for run in whole if run["repeat"] == 1}}
+
+
+def channel_of(plan: plans.Plan) -> list:
+    """Lengths of the channel's sides: a spacing has to divide them."""
+    box = tomllib.loads(plan.scene("particles").read_text())["domain"]["channel"]
+    return [round(quantities.quantity(to) - quantities.quantity(begin), 12) for begin, to in zip(box["from"], box["to"])]
 
 
 def as_csv(plan: plans.Plan, rows: list, floor: dict) -> str:
@@ -130,6 +139,55 @@ def as_csv(plan: plans.Plan, rows: list, floor: dict) -> str:
     writer.writeheader()
     writer.writerows(rows)
     return text.getvalue()
+
+
+# ------------------------------------------------------------------------------------------------- scaling
+
+
+def power(x: list, y: list) -> tuple[float, float, float]:
+    """(exponent, its standard error, factor) of y = factor x^exponent, least squares in the logarithms."""
+    a, b = np.log(x), np.log(y)
+    design = np.column_stack([a, np.ones_like(a)])
+    solution, *_ = np.linalg.lstsq(design, b, rcond=None)
+    rest = b - design @ solution
+    spread = math.sqrt(float(rest @ rest) / max(1, len(x) - 2) / float(np.sum((a - a.mean()) ** 2)))
+    return float(solution[0]), spread, math.exp(float(solution[1]))
+
+
+FAR = (1e6, 1e9)  # unknowns to which the fit is carried on paper
+
+
+def scaling(curve: str, made: list) -> dict | None:
+    """How one curve's cost grows with its unknowns: exponents of the whole and of each phase, carried to FAR.
+
+    On paper, and only as good as its assumptions: the same scene refined, so that steps grow with resolution as they
+    did; iterations of the linear solves growing as they did over the range that was measured; one thread; memory
+    traffic per unknown as it was (a state that leaves the caches is dearer, and 10^9 unknowns fit no single machine).
+    """
+    runs = sorted((run for run in made if run["name"].split(".")[0] == curve and run.get("repeat") == 1
+                   and run.get("outcome") == "finished"), key=lambda run: run["unknowns"])
+    counts = [run["unknowns"] for run in runs]
+    if len(set(counts)) < 3:
+        return None
+    exponent, error, factor = power(counts, [run["processor_seconds"] for run in runs])
+    memory = (runs[-1]["peak_memory_bytes"] - runs[0]["peak_memory_bytes"]) / (counts[-1] - counts[0])
+    names = [name for name in runs[-1]["phases"] if all(run["phases"].get(name, 0.0) > 0.0 for run in runs)]
+    return {"unknowns": [counts[0], counts[-1]], "exponent": exponent, "standard_error": error,
+            "bytes_per_unknown": memory,
+            "phases": {name: {"exponent": power(counts, [run["phases"][name] for run in runs])[0],
+                              "share_of_finest": runs[-1]["phases"][name] / sum(runs[-1]["phases"].values())}
+                       for name in names},
+            "on_paper": {f"{far:.0e}": {"processor_seconds": factor * far**exponent, "bytes": memory * far} for far in FAR}}
+
+
+def scaling_text(curve: str, one: dict) -> str:
+    lines = [f"{curve}: processor time grows as unknowns^{one['exponent']:.2f} (standard error {one['standard_error']:.2f}),"
+             f" from {one['unknowns'][0]} to {one['unknowns'][1]}; {one['bytes_per_unknown']:.0f} bytes an unknown"]
+    lines += [f"  {name:32} {phase['share_of_finest']:5.1%} of the finest, unknowns^{phase['exponent']:.2f}"
+              for name, phase in one["phases"].items()]
+    lines += [f"  on paper, {far} unknowns: {paper['processor_seconds']:.2g} s ({paper['processor_seconds'] / 3600:.2g} h),"
+              f" {paper['bytes'] / 1e9:.2g} GB" for far, paper in one["on_paper"].items()]
+    return "\n".join(lines)
 
 
 # ------------------------------------------------------------------------------------------------- answers
@@ -193,6 +251,9 @@ def main() -> int:
         write_whole(kept / "cost_study.csv", table)
         write_whole(kept / "cost_study.json", about_text)
     print(summary(plan, rows, floor), end="")
+    for curve, one in about["scaling"].items():
+        if curve in ("spacing", "reference"):
+            print("\n" + scaling_text(curve, one))
     return 0
 
 

@@ -99,19 +99,34 @@ def spacing_of(setting: str) -> float | None:
 
 
 def with_spacing(setting: str, spacing: float) -> str:
-    return re.sub(r'sph\.spacing="[^"]+"', f'sph.spacing="{1e3 * spacing:.4g} mm"', setting)
+    return re.sub(r'sph\.spacing="[^"]+"', f'sph.spacing="{1e3 * spacing:.12g} mm"', setting)
 
 
-def at_time(curve: list, time: float, factor: float) -> Prediction:
-    """The setting of a curve of spacings that takes `time`; the curve's own point where no spacing can be scaled."""
-    x = math.log(time)
-    error = math.exp(along(curve, x, lambda one: one.error))
-    below = max((one for one in curve if one.time <= time * 1.0001), key=lambda one: one.time)
+def dividing(spacing: float, channel: list, finer: bool) -> float | None:
+    """The nearest spacing on one side, within a fifth of `spacing`, that divides every side of the channel."""
+    parts = math.ceil(channel[0] / spacing - 1e-6) if finer else math.floor(channel[0] / spacing + 1e-6)
+    while parts > 0 and 0.8 < channel[0] / parts / spacing < 1.25:
+        fits = [side * parts / channel[0] for side in channel]
+        if all(abs(count - round(count)) < 1e-6 for count in fits):
+            return channel[0] / parts
+        parts += 1 if finer else -1
+    return None
+
+
+def at_time(curve: list, time: float, factor: float, channel: list, finer: bool) -> Prediction | None:
+    """The setting of a curve of spacings that takes `time` at least (finer) or most; None where the channel has no such spacing."""
+    coarse = max((one for one in curve if one.time <= time * 1.0001), key=lambda one: one.time)
+    wanted = math.exp(along(curve, math.log(time), lambda one: spacing_of(one.setting)))
+    spacing = dividing(wanted, channel, finer)
+    if spacing is None:
+        return None
+    # The same line, read backwards: time at the spacing that the channel has.
+    by_spacing = [Measured(one.curve, one.solver, one.setting, one.error, 1.0 / spacing_of(one.setting), one.time)
+                  for one in curve]
+    there = math.exp(along(by_spacing, math.log(1.0 / spacing), lambda one: one.time_spread))
+    error = math.exp(along(curve, math.log(there), lambda one: one.error))
     spread = max(one.time_spread for one in curve)
-    if spacing_of(below.setting) is None or below.time >= time * 0.97:
-        return Prediction(below.setting, below.error, factor, below.time, max(below.time_spread, spread), True)
-    spacing = math.exp(along(curve, x, lambda one: spacing_of(one.setting)))
-    return Prediction(with_spacing(below.setting, spacing), error, factor, time, spread, False)
+    return Prediction(with_spacing(coarse.setting, spacing), error, factor, there, spread, False)
 
 
 def curves_of(table: list, solver: str) -> list:
@@ -131,7 +146,7 @@ def factor_of(curve: list, kept: list, floor: float) -> float:
     return max(left_out_factor(distinct), 1.0 + floor / min(one.error for one in kept))
 
 
-def for_error(table: list, solver: str, wanted: float, floor: float) -> Prediction | None:
+def for_error(table: list, solver: str, wanted: float, floor: float, channel: list) -> Prediction | None:
     """The cheapest setting whose error, times its uncertainty, is `wanted` or less."""
     best = None
     for curve, kept in curves_of(table, solver):
@@ -143,14 +158,14 @@ def for_error(table: list, solver: str, wanted: float, floor: float) -> Predicti
             if b.error < aim < a.error and spacing_of(a.setting):
                 share = math.log(a.error / aim) / math.log(a.error / b.error)
                 time = a.time * (b.time / a.time) ** share
-                candidates.append(at_time(kept, time, factor))
+                candidates.append(at_time(kept, time, factor, channel, finer=True))
         for one in candidates:
-            if best is None or one.time < best.time:
+            if one and (best is None or one.time < best.time):
                 best = one
     return best
 
 
-def for_time(table: list, solver: str, budget: float, floor: float) -> Prediction | None:
+def for_time(table: list, solver: str, budget: float, floor: float, channel: list) -> Prediction | None:
     """The setting with the least error, uncertainty included, that stays within the budget with its own."""
     best = None
     for curve, kept in curves_of(table, solver):
@@ -162,8 +177,8 @@ def for_time(table: list, solver: str, budget: float, floor: float) -> Predictio
                     best = found
         spread = max(one.time_spread for one in curve)
         if kept[0].time < budget / spread < kept[-1].time and spacing_of(kept[0].setting):
-            found = at_time(kept, budget / spread, factor)
-            if best is None or found.error * found.error_factor < best.error * best.error_factor:
+            found = at_time(kept, budget / spread, factor, channel, finer=False)
+            if found and (best is None or found.error * found.error_factor < best.error * best.error_factor):
                 best = found
     return best
 
@@ -190,8 +205,9 @@ def answer(case: Path, options: argparse.Namespace) -> dict:
     for solver in plans.SOLVERS:
         if not any(one.solver == solver for one in table):
             continue
-        found[solver] = (for_error(table, solver, parse_error(options.error), floor) if options.error
-                         else for_time(table, solver, parse_time(options.time), floor))
+        found[solver] = (for_error(table, solver, parse_error(options.error), floor, about["channel_m"]) if options.error
+                         else for_time(table, solver, parse_time(options.time), floor,
+                                                about["channel_m"]))
     asked = f"error of {parse_error(options.error):.2%}" if options.error else f"budget of {parse_time(options.time):g} s"
     commits = "; ".join(f"{solver} at {', '.join(c[:7] for c in those)}" for solver, those in about["commits"].items())
     print(f"{about['title']}, {asked}; measured on {', '.join(about['processor'])}, one thread, {commits}\n")
