@@ -4,7 +4,7 @@ the finite elements' at the six times, every setting as in beam_in_channel/scene
 
     validation/beam_widths.py                        twelve beams, 80 s of processor time each
     validation/beam_widths.py --only 8,1.4 --seeds 4 one beam, and four more of it from a disordered start
-    validation/beam_widths.py --keep                 also writes validation/beam_in_channel/records/widths.csv
+    validation/beam_widths.py --keep                 also puts the rows into validation/beam_in_channel/records/widths.csv
 
 The beams are 3.75 mm per layer wide. Beside the six instants stand the mean of the difference over 0.5 s < t < 3 s, which
 is the bias, and its standard deviation, which is mostly noise: the particles' load fluctuates and rings the beam. A
@@ -72,8 +72,28 @@ def row_of(layers: int, modulus: str, seed: int, particles: Path, reference: Pat
     difference = 100 * (found[late] / np.interp(time[late], true_time, true) - 1)
     row |= {"mean_difference_percent": f"{difference.mean():+.2f}", "noise_percent": f"{difference.std(ddof=1):.2f}",
             "tip_reference_3s_m": f"{true[-1]:.6g}", "outcome": manifest["outcome"].split(",")[0],
-            "processor_seconds": f"{manifest['processor_seconds']:.1f}"}
+            "processor_seconds": f"{manifest['processor_seconds']:.1f}", "commit": manifest["commit"][:7]}
     return row
+
+
+def write(folder: Path, rows: list[dict], manifests: dict) -> None:
+    """Puts the rows into the folder's table in the place of those of the same beam and seed, and their manifests."""
+    def key(row: dict) -> tuple:
+        return int(row["layers"]), float(row["youngs_modulus_mpa"]), int(row["seed"])
+
+    table, book = folder / "widths.csv", folder / "widths.json"
+    present = {}
+    if table.is_file():
+        with table.open(newline="") as stream:
+            present = {key(row): row for row in csv.DictReader(stream)}
+        manifests = json.loads(book.read_text())["runs"] | manifests
+    present |= {key(row): row for row in rows}
+    with table.open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(present[k] for k in sorted(present))
+    book.write_text(json.dumps({"command": "validation/beam_widths.py --keep",
+                                "runs": {name: manifests[name] for name in sorted(manifests)}}, indent=1) + "\n")
 
 
 def main() -> int:
@@ -102,14 +122,8 @@ def main() -> int:
             rows.append(row_of(layers, modulus, seed, record, truth, manifest))
             print(*rows[-1].values(), sep="  ", flush=True)
     kept = {name: {key: manifest.get(key) for key in MANIFEST_KEYS} for name, manifest in manifests.items()}
-    folders = [out] + ([CASE / "records"] if options.keep else [])
-    for folder in folders:
-        with (folder / "widths.csv").open("w", newline="") as stream:
-            writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
-        (folder / "widths.json").write_text(json.dumps(
-            {"command": " ".join(["validation/beam_widths.py", *sys.argv[1:]]), "runs": kept}, indent=1) + "\n")
+    for folder in [out] + ([CASE / "records"] if options.keep else []):
+        write(folder, rows, kept)
     return 0
 
 
