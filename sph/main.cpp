@@ -33,7 +33,9 @@ int dispatch(const CLI::App& app, const Arguments& a) {
   const sph::ModulusTable table(a.table);
   const bool plane = read_problem(document).dimension == 2;
   if (app.got_subcommand("check")) {
-    plane ? (void)sph::set_up<2>(document, table) : (void)sph::set_up<3>(document, table);
+    const auto warnings =
+        plane ? sph::set_up<2>(document, table).warnings : sph::set_up<3>(document, table).warnings;
+    for (const auto& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
     fmt::print("{}: sound\n", a.scene);
     return 0;
   }

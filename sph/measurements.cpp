@@ -40,7 +40,8 @@ Measurements<dim>::Measurements(ParticleScene<dim>& scene, RecordWriter& record)
                           {"particles", "1"},
                           {"created", "1"},
                           {"removed", "1"},
-                          {"lost", "1"}});
+                          {"lost", "1"},
+                          {"turned_back", "1"}});
   declare("ledger_energy",
           {{"kinetic_fluid", energy}, {"kinetic_solid", energy}, {"elastic", energy}});
   declare("ledger_divergence", {{"rms_divergence", "1/s"},
@@ -105,7 +106,8 @@ void Measurements<dim>::ledgers() {
                         double(particles.unknowns),
                         double(books.entered + books.returned),
                         double(books.left + books.upstream + books.lost),
-                        double(books.upstream + books.lost)};
+                        double(books.upstream + books.lost),
+                        double(books.turned)};
   record_.append("ledger_mass", row);
   double kinetic[2] = {0.0, 0.0};
   for (std::size_t i = 0; i < particles.unknowns; ++i)
@@ -121,7 +123,9 @@ void Measurements<dim>::ledgers() {
   if (scene_.solid) {
     const std::span<const Vector<dim>> position{particles.position.data(), particles.solids};
     const auto [least, most] = stretch_range(scene_.solid->network(), position);
-    record_.append("ledger_solid", std::array{state.clock.time, area_ratio(), least, most});
+    record_.append(
+        "ledger_solid",
+        std::array{state.clock.time, volume_ratio(scene_.solid->network(), position), least, most});
   }
 }
 
@@ -197,21 +201,6 @@ double Measurements<dim>::outflow_flux() const {
       flux += plane.outward * u[plane.axis] * std::pow(dx, dim - 1);
   }
   return flux;
-}
-
-template <int dim>
-double Measurements<dim>::area_ratio() const {
-  double now = 0.0, rest = 0.0;
-  const auto& particles = scene_.simulation->state().particles;
-  const auto& network = scene_.solid->network();
-  std::array<Vector<dim>, 1 << dim> corner, gradient;
-  for (const auto& cell : network.body_cells) {
-    for (std::size_t c = 0; c < corner.size(); ++c) corner[c] = particles.position[cell[c]];
-    now += cell_volume(corner, gradient);
-    for (std::size_t c = 0; c < corner.size(); ++c) corner[c] = network.reference[cell[c]];
-    rest += cell_volume(corner, gradient);
-  }
-  return rest > 0.0 ? now / rest : 1.0;
 }
 
 template <int dim>

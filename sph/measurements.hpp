@@ -31,7 +31,6 @@ class Measurements {
   /// Normal velocity integrated over a line one support radius inside each outflow side.
   double outflow_flux() const;
   /// Volume of the solid over its volume at rest, from the lattice cells (the plane only).
-  double area_ratio() const;
   void write_profile(const VelocityProfileProbe& probe, double time);
   void write_outline(const OutlineProbe& probe, double time);
   void write_fields(const State<dim>& state, double time);

@@ -371,6 +371,7 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
   if (problem.inflow) simulation.add_inflow({*problem.inflow, problem.channel, spacing, reach});
   for (const auto& side : {problem.pressure_inflow, problem.outflow})
     if (side) simulation.add_pressure_side({*side, problem.channel, spacing, reach});
+  scene.retreat = sph.flag_or("retreat", false);
   add_effects(scene, table);
   document.leave_unread("reference_fem");
   document.refuse_unread();

@@ -44,6 +44,7 @@ struct ParticleScene {
   ElasticSolid<dim>* solid = nullptr;  ///< null where the scene has none; owned by the simulation
   std::vector<BodyRange> bodies;
   std::map<std::string, WallForce<dim>> wall_forces;  ///< by curved wall, where a probe asks for it
+  bool retreat = false;  ///< a fault sends the run back to a good checkpoint, with half the step
   std::vector<std::string> warnings;
   std::vector<std::string> effects;      ///< what the scene calls for, one line each
   std::vector<std::string> effects_off;  ///< what it does not

@@ -63,6 +63,8 @@ const char* to_string(Action action) {
       return "ACTION 8 motion";
     case Action::support:
       return "ACTION 9 support and mirrors";
+    case Action::guard:
+      return "guard";
     case Action::output:
       return "probes and records";
   }
@@ -199,7 +201,7 @@ template <int dim>
 void Simulation<dim>::choose_time_step() {
   Clock& clock = state_.clock;
   clock.previous_time_step = clock.time_step;
-  const double largest = chosen_time_step().value;
+  const double largest = step_factor_ * chosen_time_step().value;
   // Equal steps up to the next time at which someone looks: no sliver of a step before it.
   const double left = stop_at_ - clock.time;
   clock.time_step = std::isfinite(left) ? left / std::ceil(left / largest * (1.0 - 1e-9)) : largest;
@@ -495,8 +497,9 @@ void Simulation<dim>::update_support_and_mirrors() {
       dropped[i] = dropped[i] || side.beyond(particles.position[i]);
   for (std::size_t i = particles.solids; i < particles.size(); ++i) {
     if (particles.role[i] == Role::fluid && state_.images.outside_a_wall(particles.position[i])) {
-      dropped[i] = true;
-      ++books_.lost;
+      dropped[i] = !state_.images.reflect(particles.position[i], particles.velocity[i],
+                                          0.5 * particles.spacing);
+      ++(dropped[i] ? books_.lost : books_.turned);
     }
     for (const auto& side : inflow_)
       if (particles.role[i] == Role::fluid && side.upstream(particles.position[i]) && !dropped[i]) {
@@ -546,7 +549,7 @@ void Simulation<dim>::save(Archive& archive) const {
   for (const auto& array : p.carried)
     archive["carried/" + array.name] = flattened<dim>(*array.values);
   const Clock& c = state_.clock;
-  archive["clock"] = std::vector<double>{c.time, c.time_step, c.previous_time_step};
+  archive["clock"] = std::vector<double>{c.time, c.time_step, c.previous_time_step, step_factor_};
   archive["counters"] = std::vector<std::int64_t>{c.step,
                                                   p.next_identity,
                                                   static_cast<std::int64_t>(p.solids),
@@ -555,7 +558,8 @@ void Simulation<dim>::save(Archive& archive) const {
                                                   books_.left,
                                                   books_.returned,
                                                   books_.upstream,
-                                                  books_.lost};
+                                                  books_.lost,
+                                                  books_.turned};
 }
 
 template <int dim>
@@ -576,10 +580,11 @@ void Simulation<dim>::restore(const Archive& archive) {
   const auto& clock = std::get<std::vector<double>>(archive.at("clock"));
   const auto& counters = std::get<std::vector<std::int64_t>>(archive.at("counters"));
   state_.clock = {clock[0], clock[1], clock[2], counters[0]};
+  step_factor_ = clock[3];
   p.next_identity = counters[1];
   p.solids = static_cast<std::size_t>(counters[2]);
   p.unknowns = static_cast<std::size_t>(counters[3]);
-  books_ = {counters[4], counters[5], counters[6], counters[7], counters[8]};
+  books_ = {counters[4], counters[5], counters[6], counters[7], counters[8], counters[9]};
   for (auto* effect : effects_.time_dependence) effect->set(state_);
   build_support();
 }

@@ -23,9 +23,10 @@ enum class Action {
   corrector,
   motion,
   support,
+  guard,
   output
 };
-inline constexpr std::size_t action_count = 8;
+inline constexpr std::size_t action_count = 9;
 const char* to_string(Action action);
 
 /// The effects of a scene, by the role they play; built by the registry.
@@ -73,6 +74,10 @@ class Simulation {
   TimeStepChoice time_step_limit() const;
   /// The step that the run takes: the limits', or the one that the scene fixes.
   TimeStepChoice chosen_time_step() const;
+  /// Every later step is this part of what the limits or the scene say: a run that its guard has
+  /// sent back goes on so.
+  void shorten_steps(double factor) { step_factor_ = factor; }
+  double step_factor() const { return step_factor_; }
   /// Sets the next step; shortened so that `stop_at` (the next time at which someone looks) is met.
   void choose_time_step();
   void stop_at(double time) { stop_at_ = time; }
@@ -123,6 +128,7 @@ class Simulation {
   ParticleBooks books_;
   double velocity_scale_ = 0.0;
   double fixed_time_step_ = 0.0;
+  double step_factor_ = 1.0;
   double stop_at_ = std::numeric_limits<double>::infinity();
   std::vector<OpenPlane<dim>> open_planes_;
   PressurePlanes<dim> pressure_planes_;

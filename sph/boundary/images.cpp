@@ -119,6 +119,25 @@ bool Images<dim>::outside_a_wall(const Vector<dim>& x) const {
 }
 
 template <int dim>
+bool Images<dim>::reflect(Vector<dim>& x, Vector<dim>& u, double most) const {
+  for (const auto& wall : walls_) {
+    const double distance = wall.inward * (x[wall.axis] - wall.place);
+    if (distance >= 0.0) continue;
+    if (distance < -most) return false;
+    x[wall.axis] = 2.0 * wall.place - x[wall.axis];
+    u[wall.axis] = -u[wall.axis];
+  }
+  for (const auto& wall : shaped_) {
+    const auto view = wall.shape->view_within(x, reach_);
+    if (!view || view->distance >= 0.0) continue;
+    if (view->distance < -most) return false;
+    x -= 2.0 * view->distance * view->normal;
+    u -= 2.0 * u.dot(view->normal) * view->normal;
+  }
+  return !outside_a_wall(x);
+}
+
+template <int dim>
 typename Images<dim>::OppositePair Images<dim>::opposite(std::int32_t i, std::int32_t index) const {
   const std::int32_t m = index - particles_;
   const std::int32_t mirror = image_in_[shape_of_[m]][i];

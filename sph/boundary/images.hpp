@@ -67,6 +67,10 @@ class Images {
   /// Mirrors a place outside a wall back to the inner side.
   void turn_back(Vector<dim>& x) const;
   bool outside_a_wall(const Vector<dim>& x) const;
+  /// A place that a step has carried across a wall by at most `most` (m) goes back to its mirror
+  /// place, and the part of `u` along the normal is turned round: the particle and its image change
+  /// roles, which alters nothing that the fluid feels. False: it is farther out, and left there.
+  bool reflect(Vector<dim>& x, Vector<dim>& u, double most) const;
 
   /// The particle that an index (particle or image) stands for.
   std::int32_t source(std::int32_t index) const {

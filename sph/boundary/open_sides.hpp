@@ -12,7 +12,8 @@ struct ParticleBooks {
   std::int64_t left = 0;      ///< became part of a pressure column
   std::int64_t returned = 0;  ///< became fluid out of a pressure column
   std::int64_t upstream = 0;  ///< fluid that crossed an inflow side outwards, removed
-  std::int64_t lost = 0;      ///< fluid found outside a wall, removed
+  std::int64_t lost = 0;      ///< fluid found outside a wall by more than half a spacing, removed
+  std::int64_t turned = 0;    ///< fluid that had crossed a wall within one step, mirrored back
 };
 
 /// Columns of particles that move with the prescribed velocity; one that crosses the side becomes

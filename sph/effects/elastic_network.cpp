@@ -376,6 +376,21 @@ std::pair<double, double> stretch_range(const ElasticNetwork<dim>& network,
   return range;
 }
 
+template <int dim>
+double volume_ratio(const ElasticNetwork<dim>& network, std::span<const Vector<dim>> position) {
+  double now = 0.0, rest = 0.0;
+  std::array<Vector<dim>, 1 << dim> corner, gradient;
+  for (const auto& cell : network.body_cells) {
+    for (std::size_t c = 0; c < corner.size(); ++c) corner[c] = position[cell[c]];
+    now += cell_volume(corner, gradient);
+    for (std::size_t c = 0; c < corner.size(); ++c) corner[c] = network.reference[cell[c]];
+    rest += cell_volume(corner, gradient);
+  }
+  return rest > 0.0 ? now / rest : 1.0;
+}
+
+template double volume_ratio<2>(const ElasticNetwork<2>&, std::span<const Vector<2>>);
+template double volume_ratio<3>(const ElasticNetwork<3>&, std::span<const Vector<3>>);
 template ElasticNetwork<2> network_at_rest<2>(const Particles<2>&);
 template ElasticNetwork<3> network_at_rest<3>(const Particles<3>&);
 template std::vector<Vector<2>> fitted_places<2>(const Solid&, double);

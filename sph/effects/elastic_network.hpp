@@ -152,6 +152,11 @@ template <int dim>
 std::pair<double, double> stretch_range(const ElasticNetwork<dim>& network,
                                         std::span<const Vector<dim>> position);
 
+/// Volume (in the plane: area) of all cells between solid particles over that at rest; 1 where there
+/// are none.
+template <int dim>
+double volume_ratio(const ElasticNetwork<dim>& network, std::span<const Vector<dim>> position);
+
 /// Area of a quadrilateral, or volume of a hexahedron (that of the trilinear map), and its gradient
 /// with respect to each corner; corners as in VolumeCell.
 double cell_volume(const std::array<Vector<2>, 4>& corner, std::array<Vector<2>, 4>& gradient);

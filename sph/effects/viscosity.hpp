@@ -27,15 +27,17 @@ class ViscosityEffect final : public Acceleration<dim>, public TimeStepLimit<dim
   ViscosityEffect(double kinematic_viscosity, Particles<dim>& particles,
                   std::shared_ptr<SolidSurface<dim>> surface, Law law = {});
   void add_acceleration(const State<dim>& state, std::vector<Vector<dim>>& acceleration) override;
-  /// 0.125 h^2 / nu with the largest viscosity that the law gives (Morris, Fox & Zhu 1997).
+  /// 0.125 h^2 / nu with the largest viscosity that the law gives (Morris, Fox & Zhu 1997); less
+  /// where fluid stands close to a body's face.
   double largest_time_step(const State<dim>& state) const override;
-  std::string limit_name() const override { return "viscosity, 0.125 h^2/nu"; }
+  std::string limit_name() const override { return "viscosity, 0.125 h^2/nu or less at a body"; }
 
  private:
   Vector<dim> corrected_sum(const State<dim>& state, std::size_t i,
                             const typename Support<dim>::Neighbours& near) const;
   Vector<dim> beyond_surface(const State<dim>& state, std::size_t i,
                              const typename Support<dim>::Neighbours& near) const;
+  double rate_beyond_surface(const State<dim>& state) const;
   double nu_;
   Law law_;
   std::shared_ptr<SolidSurface<dim>> surface_;

@@ -41,6 +41,25 @@ TEST(Images, NoneForAParticleOutsideTheWall) {
   EXPECT_FALSE(images.outside_a_wall(particles.position[1]));
 }
 
+// Particle and image change roles: place and normal velocity are the mirror image's.
+TEST(Images, ReflectsWhatHasCrossedAWallByLittle) {
+  Images<2> images({bottom(true), {0, 1.0, -1, false}});
+  Vector<2> x(0.4, -0.03), u(0.5, -0.2);
+  EXPECT_TRUE(images.reflect(x, u, 0.05));
+  EXPECT_EQ(x, Vector<2>(0.4, 0.03));
+  EXPECT_EQ(u, Vector<2>(0.5, 0.2));
+  // In a corner, across both walls at once.
+  x = {1.02, -0.03};
+  u = {0.5, -0.2};
+  EXPECT_TRUE(images.reflect(x, u, 0.05));
+  EXPECT_DOUBLE_EQ(x[0], 0.98);
+  EXPECT_DOUBLE_EQ(x[1], 0.03);
+  EXPECT_EQ(u, Vector<2>(-0.5, 0.2));
+  // Farther out than a step may carry it.
+  x = {0.4, -0.06};
+  EXPECT_FALSE(images.reflect(x, u, 0.05));
+}
+
 TEST(Images, NoSlipTurnsTheVelocityRound) {
   const auto particles = two_particles();
   Images<2> images({bottom(true)});
