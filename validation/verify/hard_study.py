@@ -126,7 +126,7 @@ class Study:
         elif NOT_JUDGED in verdicts:
             verdict = NOT_JUDGED
         else:
-            verdict = LIMIT if beyond else "passes"
+            verdict = LIMIT if row.get("limit") else "passes"
         for end in ends.values():
             end.pop("record", None)
         return {"title": row["title"], "why": row["why"], "shows": row["shows"], "held_by": row.get("held_by"),
