@@ -13,9 +13,11 @@ ROOT = Path(sys.argv[1])
 sys.path.insert(0, str(ROOT / "validation" / "study"))
 
 import cost_table  # noqa: E402
+import differences  # noqa: E402
 import plan as plans  # noqa: E402
 import quantities  # noqa: E402
 import recommend  # noqa: E402
+import regression  # noqa: E402
 
 
 class Quantities(unittest.TestCase):
@@ -142,6 +144,57 @@ class Scaling(unittest.TestCase):
         self.assertAlmostEqual(found["on_paper"]["1e+06"]["processor_seconds"], 2000.0, delta=1e-3)
         self.assertAlmostEqual(found["phases"]["solve"]["share_of_finest"], 0.5)
         self.assertIsNone(cost_table.scaling("spacing", runs[:2]))  # two points always lie on a line
+
+
+def answer(shift: float = 0.0, factor: float = 1.0, profile: float = 0.0) -> dict:
+    """What differences.kept() gives of a swing of 1 Hz, late by `shift` s, and a profile raised by a part of itself."""
+    t = np.linspace(0.0, 3.0, differences.SAMPLES)
+    swing = factor * np.sin(2.0 * np.pi * (t - shift))
+    return {"series": {"time": t.tolist(), "tip.displacement_x": swing.tolist()},
+            "tables": {"profile.velocity_x": {"1": [1.0 + profile, 1.0 + profile]},
+                       "profile.velocity_y": {"1": [0.0, 0.1]}}}
+
+
+class Differences(unittest.TestCase):
+    def of(self, **changes) -> dict:
+        return {one.quantity: one for one in differences.differences(answer(), answer(**changes))}
+
+    def test_nothing_differs_from_itself(self):
+        for one in self.of().values():
+            self.assertEqual(one.l2, 0.0)
+        self.assertAlmostEqual(self.of()["tip.displacement_x"].amplitude, 1.0, delta=1e-12)
+
+    def test_lag_and_amplitude_are_told_apart(self):
+        found = self.of(shift=0.013, factor=1.1)["tip.displacement_x"]  # 1.3 samples late
+        self.assertAlmostEqual(found.lag, 0.013, delta=1e-3)  # a tenth of a sample
+        self.assertAlmostEqual(found.amplitude, 1.1, delta=2e-3)
+
+    def test_a_small_component_is_measured_against_the_vector(self):
+        found = self.of(profile=0.02)
+        whole = np.sqrt(2.0 + 0.01)
+        self.assertAlmostEqual(found["profile.velocity_x at 1 s"].l2, 0.02 * np.sqrt(2.0) / whole, delta=1e-12)
+        self.assertEqual(found["profile.velocity_y at 1 s"].l2, 0.0)
+
+    def test_limits_lie_between_noise_and_signal_or_say_that_they_cannot(self):
+        limits = regression.limits_of(answer(), [answer(profile=0.001)], {"modulus": answer(profile=0.009)})
+        row = limits["profile.velocity_x at 1 s"]
+        self.assertFalse(row["blind"])
+        self.assertAlmostEqual(row["limit"] / row["noise"], 3.0, delta=1e-9)  # sqrt(0.001 x 0.009)
+        limits = regression.limits_of(answer(), [answer(profile=0.009)], {"modulus": answer(profile=0.001)})
+        self.assertTrue(limits["profile.velocity_x at 1 s"]["blind"])
+        self.assertEqual(limits["profile.velocity_x at 1 s"]["limit"], limits["profile.velocity_x at 1 s"]["noise"])
+
+    def test_verdicts_follow_the_limits_and_nothing_that_is_missing_passes(self):
+        baseline = {**answer(), "limits": regression.limits_of(answer(), [answer(profile=0.001)],
+                                                               {"modulus": answer(profile=0.009)})}
+        def verdict(**changes):
+            return {row["quantity"]: row["verdict"] for row in regression.verdicts(baseline, answer(**changes))[0]}
+        self.assertEqual(verdict(profile=0.0025)["profile.velocity_x at 1 s"], "same")
+        self.assertEqual(verdict(profile=0.0035)["profile.velocity_x at 1 s"], "CHANGED")
+        less = answer()
+        less["tables"].pop("profile.velocity_y")
+        rows = {row["quantity"]: row["verdict"] for row in regression.verdicts(baseline, less)[0]}
+        self.assertEqual(rows["profile.velocity_y at 1 s"], "CHANGED")
 
 
 class Fronts(unittest.TestCase):

@@ -40,20 +40,20 @@ def histories(record: Record) -> dict:
 
 
 def tables(record: Record) -> dict:
-    """Every table as {name.column: {time: values}}; places where it was asked for are left out."""
+    """Every table as {name.column: {time: values}}: velocities, and of outlines how far each point has moved. Places
+    where something was asked for are left out."""
     found = {}
     for name in record._file["tables"]:
         for t in record.table_times(name):
             table = record.table(name, t)
-            moving = [c for c in table.values if c not in "xyz" or name_is_outline(table)]
-            for column in moving:
-                found.setdefault(f"{name}.{column}", {})[f"{t:.6g}"] = table[column]
+            if "reference_x" in table:
+                columns = {f"displacement_{axis}": table[axis] - table[f"reference_{axis}"]
+                           for axis in "xyz" if axis in table}
+            else:
+                columns = {column: table[column] for column in table.values if column not in ("x", "y", "z")}
+            for column, values in columns.items():
+                found.setdefault(f"{name}.{column}", {})[f"{t:.6g}"] = values
     return found
-
-
-def name_is_outline(table) -> bool:
-    """Whether the coordinates themselves are what was measured."""
-    return not any(column.startswith("velocity") for column in table.values)
 
 
 def kept(record: Record) -> dict:
