@@ -92,10 +92,14 @@ def rows_of(plan: plans.Plan, out: Path, true: dict) -> tuple[list, list]:
     for point in plan.points:
         files = [out / "points" / f"{point.name}.r{k}.json" for k in range(1, point.repeats + 1)]
         runs = [json.loads(file.read_text()) for file in files if file.exists()]
-        if not runs:
-            raise NoTable(f"{point.name} has no answer in {out / 'points'}")
-        rows.append(row_of(point, runs, plan, true))
+        if runs:
+            rows.append(row_of(point, runs, plan, true))
+        else:  # a study under way, or kept before its end: the table says what it lacks
+            rows.append({"curve": point.curve, "point": point.number, "solver": point.solver,
+                         "setting": " ".join(point.overrides), "repeats": 0, "outcome": "not run", "error": ""})
         made += runs
+    if not made:
+        raise NoTable(f"there is no answer in {out / 'points'}")
     return rows, made
 
 
@@ -196,7 +200,7 @@ def scaling_text(curve: str, one: dict) -> str:
 def front(rows: list, solver: str) -> list:
     """The rows of a solver that no other of its rows beats in both error and processor time, cheap to dear."""
     best, least = [], math.inf
-    usable = [row for row in rows if row["solver"] == solver and row["error"] and row.get("processor_seconds")]
+    usable = [row for row in rows if row["solver"] == solver and row.get("error") and row.get("processor_seconds")]
     for row in sorted(usable, key=lambda r: (float(r["processor_seconds"]), float(r["error"]))):
         if float(row["error"]) < least:
             best.append(row)
