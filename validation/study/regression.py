@@ -10,8 +10,9 @@ compare   holds a record against a baseline (--against): every quantity, its rel
 
 A quantity's limit lies between the noise, the largest difference between two starts, and the signal, the difference
 that 1 % of a material constant makes: at their geometric mean, so that it is as far above what means nothing as below
-what does. Where the noise is the larger of the two, a change of 1 % cannot be seen in that quantity; its limit is then
-the noise, and the table says so.
+what does, and at least half again above the noise, since the largest of six differences is no upper bound (a seventh
+passes it once in seven). Where the signal is no larger than that, a change of 1 % cannot be seen in that quantity, and
+the table says so.
 """
 
 import argparse
@@ -30,6 +31,8 @@ from record import Record, quantity
 
 WRONG_USE, NO_RUN = 2, 6
 DISORDER, SEEDS, CHANGE = 0.02, (1, 2, 3), 0.01
+MARGIN = 1.5  # above the largest difference between two starts
+LEAST_LIMIT = 1e-7  # a baseline keeps nine digits of every number
 
 
 class WrongUse(Exception):
@@ -92,8 +95,8 @@ def limits_of(base: dict, starts: list, changed: dict) -> dict:
             limits[one.quantity]["signal"][name] = one.l2
     for row in limits.values():
         signal = max(row["signal"].values(), default=0.0)
-        row["blind"] = signal <= row["noise"]
-        row["limit"] = row["noise"] if row["blind"] else math.sqrt(row["noise"] * signal)
+        row["blind"] = signal <= MARGIN * row["noise"]
+        row["limit"] = max(LEAST_LIMIT, MARGIN * row["noise"], math.sqrt(row["noise"] * signal))
     return limits
 
 
@@ -146,6 +149,10 @@ def accept(case: Path, options: argparse.Namespace) -> int:
     if not record.finished:
         raise WrongUse(f"the run is no baseline: {record.manifest['outcome']}")
     about = json.loads(limits_file.read_text())
+    numbers = kept(record)
+    lacks = about["limits"].keys() - {one.quantity for one in differences(numbers, numbers)}
+    if lacks:
+        raise WrongUse(f"the record is no baseline, it lacks {', '.join(sorted(lacks)[:3])}{' and more' * (len(lacks) > 3)}")
     made = facts(record, record.folder)
     if made["clean"] != "yes":
         raise WrongUse("a baseline comes from a clean commit; this record was made with changes not committed")
@@ -155,7 +162,7 @@ def accept(case: Path, options: argparse.Namespace) -> int:
                "limits_measured_at": about["commit"], "limits_say": about["says"],
                "limits": {name: {key: value if not isinstance(value, float) else float(f"{value:.4g}")
                                  for key, value in row.items()} for name, row in about["limits"].items()},
-               **rounded_parts(kept(record))}
+               **rounded_parts(numbers)}
     file = case / "baseline" / f"{options.level}.json"
     file.parent.mkdir(exist_ok=True)
     write_whole(file, json.dumps(content, separators=(",", ":")).replace('],"', '],\n"') + "\n")
