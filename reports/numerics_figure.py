@@ -11,7 +11,8 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 PANELS = [("taylor_green_energy_error", "taylor_green_processor_seconds", "Taylor-Green Re = 100: error of kinetic energy"),
           ("taylor_green_velocity_error", "taylor_green_processor_seconds", "Taylor-Green Re = 100: L2 error of velocity"),
-          ("cavity_u_error", "cavity_processor_seconds", "Cavity Re = 100: u against Ghia")]
+          ("cavity_u_error", "cavity_processor_seconds", "Cavity Re = 100: u against Ghia"),
+          ("start_up_couette_profile_error", "start_up_couette_processor_seconds", "Couette start-up: rms of the profile")]
 GROUPS = {"recommended": "#c1272d", "pressure_solver": "#0072b2", "pressure_tolerance": "#56b4e9",
           "smoothing_length_ratio": "#009e73", "shifting": "#e69f00", "density_feedback": "#cc79a7"}
 

@@ -18,7 +18,6 @@ Numerics paper() {
           .gradient_correction = false,
           .position_update = PositionUpdate::mean_velocity,
           .shifting = Shifting::xu,
-          .shifting_coefficient = XuDirection::default_coefficient,
           .density_feedback = 0.0,
           .pressure_tolerance = 1e-4,
           .pressure_solver = PressureSolverKind::two_level,
@@ -37,7 +36,6 @@ Numerics recommended() {
           .gradient_correction = true,
           .position_update = PositionUpdate::new_velocity,
           .shifting = Shifting::xu,
-          .shifting_coefficient = XuDirection::default_coefficient,
           .density_feedback = 0.5,
           .pressure_tolerance = 1e-3,
           .pressure_solver = PressureSolverKind::two_level,
@@ -47,6 +45,20 @@ Numerics recommended() {
           .area_stiffness = 300.0,
           .spring_integration = SpringIntegration::implicit_force,
           .courant = 0.4};
+}
+
+double default_coefficient(Shifting shifting) {
+  switch (shifting) {
+    case Shifting::none:
+      return 0.0;
+    case Shifting::xu:
+      return XuDirection::default_coefficient;
+    case Shifting::fickian:
+      return FickianDirection::default_coefficient;
+    case Shifting::sliding:
+      return SlidingDirection::default_coefficient;
+  }
+  return 0.0;
 }
 
 /// Reads a choice written as a word; the words stand in the order of the enumeration.
@@ -76,10 +88,8 @@ Numerics read_numerics(Document& document) {
   n.normalised_gradient = table.flag_or("normalised_gradient", n.normalised_gradient);
   n.gradient_correction = table.flag_or("gradient_correction", n.gradient_correction);
   choose(table, "position_update", {"mean_velocity", "new_velocity"}, n.position_update);
-  const Shifting preset_shifting = n.shifting;
-  choose(table, "shifting", {"none", "xu", "fickian"}, n.shifting);
-  if (n.shifting == Shifting::fickian && preset_shifting != Shifting::fickian)
-    n.shifting_coefficient = FickianDirection::default_coefficient;
+  choose(table, "shifting", {"none", "xu", "fickian", "sliding"}, n.shifting);
+  n.shifting_coefficient = default_coefficient(n.shifting);
   read_between(table, "shifting_coefficient", 0.0, 1.0, n.shifting_coefficient);
   read_between(table, "density_feedback", 0.0, 100.0, n.density_feedback);
   read_between(table, "pressure_tolerance", 1e-14, 0.5, n.pressure_tolerance);

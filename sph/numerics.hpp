@@ -17,7 +17,7 @@ enum class Bonds {
   equal,      ///< every bond k_e dx: the paper's Eq. 5
   isotropic,  ///< weights by shell so that the lattice is elastically isotropic
 };
-enum class Shifting { none, xu, fickian };
+enum class Shifting { none, xu, fickian, sliding };
 /// Where the velocity of a body meets the fluid's.
 enum class SolidNoSlip {
   centres,  ///< at the outer particles' centres, half a spacing inside the body: Eq. 2 as printed

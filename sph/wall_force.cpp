@@ -1,33 +1,12 @@
 #include "sph/wall_force.hpp"
 
-#include "sph/symmetric_form.hpp"
+#include "sph/velocity_gradient.hpp"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
 namespace sprung::sph {
-
-namespace {
-
-/// Columns d/dx_k of the velocity's gradient at particle i.
-template <int dim>
-Matrix<dim> velocity_gradient(const State<dim>& state, const std::vector<Vector<dim>>& extended,
-                              std::size_t i) {
-  const auto& points = state.images.points();
-  const auto near = state.support.of(i);
-  Matrix<dim> sum = Matrix<dim>::Zero();
-  for (std::size_t k = 0; k < near.index.size(); ++k) {
-    const std::int32_t j = near.index[k];
-    sum +=
-        near.gradient_factor[k] * (extended[j] - extended[i]) * (points[i] - points[j]).transpose();
-  }
-  sum *= state.particles.volume;
-  if (state.gradient_correction.empty()) return sum;
-  return sum * state.gradient_correction[i].transpose();
-}
-
-}  // namespace
 
 template <int dim>
 WallForce<dim>::WallForce(const State<dim>& state, const ShapedWall<dim>& wall)

@@ -55,10 +55,11 @@ bool add_carreau_yasuda(ParticleScene<dim>& scene, const ModulusTable&) {
   const Viscosity& viscosity = *scene.problem.viscosity;
   const CarreauYasuda& law = *viscosity.carreau_yasuda;
   add_viscosity_of<dim>(scene, CarreauYasudaLaw<dim>(law, viscosity.dynamic));
-  scene.effects.push_back(fmt::format(
-      "Carreau-Yasuda: the scene has [viscosity.carreau_yasuda], {:.3g} Pa s at rest to {:.3g} Pa s,"
-      " falling from {:.3g} 1/s on",
-      viscosity.dynamic, law.high_shear, 1.0 / law.relaxation_time));
+  scene.effects.push_back(
+      fmt::format("Carreau-Yasuda: the scene has [viscosity.carreau_yasuda], {:.3g} Pa s at rest "
+                  "to {:.3g} Pa s,"
+                  " falling from {:.3g} 1/s on",
+                  viscosity.dynamic, law.high_shear, 1.0 / law.relaxation_time));
   return true;
 }
 
@@ -210,16 +211,20 @@ bool add_shifting(ParticleScene<dim>& scene, const ModulusTable&) {
   auto& simulation = *scene.simulation;
   const Numerics& numerics = simulation.numerics();
   if (numerics.shifting == Shifting::none) return false;
+  const double c = numerics.shifting_coefficient;
   std::unique_ptr<Motion<dim>> effect;
-  if (numerics.shifting == Shifting::xu)
-    effect = std::make_unique<ShiftingEffect<dim, XuDirection>>(numerics.shifting_coefficient);
-  else
-    effect = std::make_unique<ShiftingEffect<dim, FickianDirection>>(numerics.shifting_coefficient);
+  std::string name = "Xu et al. 2009";
+  if (numerics.shifting == Shifting::xu) {
+    effect = std::make_unique<ShiftingEffect<dim, XuDirection>>(c);
+  } else if (numerics.shifting == Shifting::sliding) {
+    effect = std::make_unique<ShiftingEffect<dim, SlidingDirection>>(c);
+    name += " at the speed of sliding";
+  } else {
+    effect = std::make_unique<ShiftingEffect<dim, FickianDirection>>(c);
+    name = "Lind et al. 2012";
+  }
   simulation.effects().motion.push_back(std::move(effect));
-  scene.effects.push_back(
-      fmt::format("shifting: numerics, {}, C = {}",
-                  numerics.shifting == Shifting::xu ? "Xu et al. 2009" : "Lind et al. 2012",
-                  numerics.shifting_coefficient));
+  scene.effects.push_back(fmt::format("shifting: numerics, {}, C = {}", name, c));
   return true;
 }
 

@@ -1,5 +1,7 @@
 #include "sph/effects/shifting.hpp"
 
+#include "sph/velocity_gradient.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
@@ -11,7 +13,7 @@ Vector<dim> ShiftingEffect<dim, Direction>::direction(
     const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
   const auto& points = state.images.points();
   Vector<dim> sum = Vector<dim>::Zero();
-  if constexpr (std::is_same_v<Direction, XuDirection>) {
+  if constexpr (std::is_base_of_v<XuDirection, Direction>) {
     double mean_distance = 0.0;
     for (const std::int32_t j : near.index) {
       const Vector<dim> r = points[i] - points[j];
@@ -37,12 +39,13 @@ template <int dim, typename Direction>
 void ShiftingEffect<dim, Direction>::add_displacement(State<dim>& state,
                                                       std::vector<Vector<dim>>& displacement) {
   auto& particles = state.particles;
-  const auto& points = state.images.points();
   state.images.extend_for_viscosity(particles.velocity, extended_velocity_);
+  constexpr bool local = std::is_same_v<Direction, SlidingDirection>;
+  const double dt = state.clock.time_step, h = state.kernel.smoothing_length();
   double fastest2 = 0.0;
-  for (std::size_t i = 0; i < particles.unknowns; ++i)
-    fastest2 = std::max(fastest2, particles.velocity[i].squaredNorm());
-  const double reach = coefficient_ * std::sqrt(fastest2) * state.clock.time_step;
+  if constexpr (!local)
+    for (std::size_t i = 0; i < particles.unknowns; ++i)
+      fastest2 = std::max(fastest2, particles.velocity[i].squaredNorm());
   // A particle is never moved by more than a tenth of the spacing, in any direction.
   const double cap = 0.1 * particles.spacing;
   const std::size_t n = particles.unknowns;
@@ -50,27 +53,20 @@ void ShiftingEffect<dim, Direction>::add_displacement(State<dim>& state,
   for (std::size_t i = particles.solids; i < n; ++i) {
     const auto near = state.support.of(i);
     if (near.index.empty()) continue;
-    Vector<dim> shift = reach * direction(state, i, near);
+    const Matrix<dim> gradient = velocity_gradient(state, extended_velocity_, i);
+    const double speed = local ? h * gradient.norm() : std::sqrt(fastest2);
+    Vector<dim> shift = coefficient_ * speed * dt * direction(state, i, near);
     const double length = shift.norm();
     if (length > cap) shift *= cap / length;
     displacement[i] += shift;
-    // (grad u) shift, from the pairs' own terms.
-    const Vector<dim> along = state.gradient_correction.empty()
-                                  ? shift
-                                  : Vector<dim>(state.gradient_correction[i].transpose() * shift);
-    const Vector<dim> u_i = extended_velocity_[i];
-    Vector<dim> change = Vector<dim>::Zero();
-    for (std::size_t k = 0; k < near.index.size(); ++k) {
-      const std::int32_t j = near.index[k];
-      change += (near.gradient_factor[k] * along.dot(points[i] - points[j])) *
-                (extended_velocity_[j] - u_i);
-    }
-    particles.velocity[i] += particles.volume * change;
+    particles.velocity[i] += gradient * shift;
   }
 }
 
 template class ShiftingEffect<2, XuDirection>;
 template class ShiftingEffect<3, XuDirection>;
+template class ShiftingEffect<2, SlidingDirection>;
+template class ShiftingEffect<3, SlidingDirection>;
 template class ShiftingEffect<2, FickianDirection>;
 template class ShiftingEffect<3, FickianDirection>;
 

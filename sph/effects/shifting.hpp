@@ -19,6 +19,14 @@ struct FickianDirection {
   static constexpr double default_coefficient = 0.5;
 };
 
+/// Xu's direction by C h |grad u| dt, with the particle's own velocity gradient (Frobenius norm):
+/// disorder grows as neighbours slide past each other, at h |grad u|, not as the fluid flows, at
+/// u_max. Gentler where little slides; stretched vortices want C = 0.3, and are then served less
+/// well than by u_max (./sprung study numerics).
+struct SlidingDirection : XuDirection {
+  static constexpr double default_coefficient = 0.3;
+};
+
 template <int dim, typename Direction>
 class ShiftingEffect final : public Motion<dim> {
  public:
@@ -26,7 +34,7 @@ class ShiftingEffect final : public Motion<dim> {
   void add_displacement(State<dim>& state, std::vector<Vector<dim>>& displacement) override;
 
  private:
-  /// Displacement of particle i per length `reach` = C u_max dt.
+  /// Displacement of particle i per length C u dt, u the direction's speed.
   Vector<dim> direction(const State<dim>& state, std::size_t i,
                         const typename Support<dim>::Neighbours& near) const;
   double coefficient_;

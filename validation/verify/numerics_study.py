@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """numerics_study.py --program sprung-sph --out DIR [--quick] [--accept]: what each choice of [numerics] costs and buys.
 
-Taylor-Green vortices at Re = 100 (100 x 100; --quick 50 x 50) and the lid-driven cavity at Re = 100 (50 x 50), once per
-choice, every other setting as recommended. Leaves DIR/numerics.csv: error and processor time of both, with what made
-them in its first lines. --accept keeps the table as validation/numerics_study/numerics.csv.
+Taylor-Green vortices at Re = 100 (100 x 100; --quick 50 x 50), the lid-driven cavity at Re = 100 (50 x 50) and the
+start of plane Couette flow (40 across; --quick 20), once per choice, every other setting as recommended. Leaves
+DIR/numerics.csv: error and processor time of each, with what made them in its first lines. --accept keeps the table as validation/numerics_study/numerics.csv.
 """
 
 import argparse
@@ -25,6 +25,8 @@ CHOICES = [
     ["numerics.gradient_correction=false"],
     ["numerics.shifting=none"],
     ["numerics.shifting=fickian"],
+    ["numerics.shifting=sliding"],
+    ["numerics.shifting_coefficient=0.01"],
     ["numerics.shifting_coefficient=0.1"],
     ["numerics.density_feedback=0"],
     ["numerics.density_feedback=2"],
@@ -53,6 +55,8 @@ def ghia(component: str) -> dict:
 SUBJECTS = {
     "taylor_green": {"energy_error": ENERGY, "velocity_error": VELOCITY},
     "cavity": {"u_error": ghia("x"), "v_error": ghia("y")},
+    "start_up_couette": {"profile_error": {"kind": "profile", "probe": "section", "exact": "start_up_couette",
+                                           "scale": "1 m/s"}},
 }
 COLUMNS = ["choice", *(f"{subject}_{column}" for subject, checks in SUBJECTS.items()
                        for column in [*checks, "processor_seconds", "outcome"])]
@@ -86,6 +90,8 @@ def table(rows: list, made: list, spacing: dict) -> str:
              f"# Taylor-Green Re = 100, spacing {spacing['taylor_green']}, to t = 1: largest relative error of the kinetic"
              " energy; L2 error of the particles' velocity.",
              f"# Cavity Re = 100, spacing {spacing['cavity']}, to t = 20: rms against Ghia et al. 1982 over the lid's speed.",
+             f"# Couette start-up, spacing {spacing['start_up_couette']}: rms of the profile over five times over the wall's"
+             " speed.",
              f"# commit {one('commit')}, clean {one('clean')}, {one('processor')}, {one('threads')} thread; load of the"
              f" machine at the start of a run, median {statistics.median(loads):.1f}: above its cores, times are upper bounds.",
              ",".join(COLUMNS)]
@@ -102,7 +108,8 @@ def main() -> int:
     options = parser.parse_args()
     out = options.out.resolve()
     out.mkdir(parents=True, exist_ok=True)
-    spacing = {"taylor_green": "20 mm" if options.quick else "10 mm", "cavity": "20 mm"}
+    spacing = {"taylor_green": "20 mm" if options.quick else "10 mm", "cavity": "20 mm",
+               "start_up_couette": "50 mm" if options.quick else "25 mm"}
     runner = Runner(options.program, 1, options.time_limit)
     rows, made = [], []
     for choice in CHOICES:

@@ -89,6 +89,29 @@ TEST(Shifting, SendsAParticleBackToItsSite) {
   expect_sent_back<3, FickianDirection>();
 }
 
+// Xu's shift with h |grad u| in the place of u_max: in a shear u = (g y, 0), of which corrected
+// gradients are exact, |grad u| = g; where nothing slides, nothing is shifted.
+TEST(Shifting, FollowsTheSliding) {
+  auto simulation = block<2>(0.2, Vector<2>::Zero(), 0.001);
+  for (const auto& shift : shifts<2, SlidingDirection>(simulation))
+    EXPECT_LT(shift.norm(), 1e-12 * dx);
+  auto& state = simulation.state();
+  const double rate = 3.0;
+  for (std::size_t i = 0; i < state.particles.size(); ++i)
+    state.particles.velocity[i] = {rate * state.particles.position[i][1], 0.0};
+  double fastest = 0.0;
+  for (const auto& u : state.particles.velocity) fastest = std::max(fastest, u.norm());
+  const auto velocity = state.particles.velocity;
+  const std::size_t i = middle_now(simulation);
+  const Vector<2> sliding = shifts<2, SlidingDirection>(simulation)[i];
+  state.particles.velocity = velocity;
+  const Vector<2> xu = shifts<2, XuDirection>(simulation)[i];
+  const double ratio = SlidingDirection::default_coefficient * state.kernel.smoothing_length() *
+                       rate / (XuDirection::default_coefficient * fastest);
+  EXPECT_GT(xu.norm(), 1e-6 * dx);
+  EXPECT_LT((sliding - ratio * xu).norm(), 1e-10 * xu.norm());
+}
+
 // The published formulas, summed over all particles and their periodic copies.
 TEST(Shifting, HasTheSizeOfTheFormulas) {
   const double dt = 0.001, speed = 2.0;

@@ -144,9 +144,11 @@ class NumericsStudyTest(unittest.TestCase):
         import numerics_study
         run = {"commit": "abc", "clean": "yes", "processor": "formula", "threads": 1, "load_at_start": 0.5}
         rows = [{"choice": "recommended", "taylor_green_energy_error": "0.004", "taylor_green_velocity_error": "0.02",
-                 "taylor_green_processor_seconds": "0.5", "cavity_u_error": "0.003", "cavity_processor_seconds": "7"},
+                 "taylor_green_processor_seconds": "0.5", "cavity_u_error": "0.003", "cavity_processor_seconds": "7",
+                 "start_up_couette_profile_error": "0.002", "start_up_couette_processor_seconds": "0.4"},
                 {"choice": "shifting=none", "taylor_green_outcome": "stopped: void"}]
-        text = numerics_study.table(rows, [run], {"taylor_green": "20 mm", "cavity": "20 mm"})
+        text = numerics_study.table(rows, [run], {"taylor_green": "20 mm", "cavity": "20 mm",
+                                                    "start_up_couette": "50 mm"})
         self.assertIn("commit abc, clean yes", text)
         with tempfile.TemporaryDirectory() as folder:
             file, picture = Path(folder) / "numerics.csv", Path(folder) / "numerics.png"
