@@ -113,7 +113,10 @@ Direction divide(const std::vector<GridLine>& faces,
 /// Lines along coordinate `d` at the channel's sides and the bodies' faces, ascending; faces that
 /// fall together take the smaller size.
 Direction directions(const Problem& problem, const MeshSizes& sizes, std::size_t d) {
-  std::vector<GridLine> lines = {{problem.channel.from[d], 0.0}, {problem.channel.to[d], 0.0}};
+  const auto at_side = [&](Side side) { return is_no_slip(problem, side) ? sizes.wall : 0.0; };
+  std::vector<GridLine> lines = {
+      {problem.channel.from[d], at_side(d == 0 ? Side::left : Side::bottom)},
+      {problem.channel.to[d], at_side(d == 0 ? Side::right : Side::top)}};
   std::vector<std::array<double, 2>> bodies;
   for (const Solid& solid : problem.solids) {
     bodies.push_back({solid.body.from[d], solid.body.to[d]});
@@ -302,16 +305,23 @@ namespace {
 /// What Gmsh must make so that splitting gives the wanted sizes.
 MeshSizes coarsened(MeshSizes sizes) {
   const double factor = std::pow(2.0, sizes.splittings);
-  for (double* size : {&sizes.bulk, &sizes.clamp_corner, &sizes.free_corner, &sizes.face})
+  for (double* size :
+       {&sizes.bulk, &sizes.clamp_corner, &sizes.free_corner, &sizes.face, &sizes.wall})
     *size *= factor;
   return sizes;
 }
 
 }  // namespace
 
+bool is_no_slip(const Problem& problem, Side side) {
+  return problem.walls && std::find(problem.walls->no_slip.begin(), problem.walls->no_slip.end(),
+                                    side) != problem.walls->no_slip.end();
+}
+
 MeshQuality make_mesh(const Problem& problem, const MeshSizes& sizes,
                       dealii::Triangulation<2>& mesh) {
-  const auto cylinder = sizes.unstructured || problem.curved_walls.empty()
+  // The blocks round a cylinder have fixed proportions.
+  const auto cylinder = sizes.unstructured || sizes.wall > 0.0 || problem.curved_walls.empty()
                             ? std::nullopt
                             : cylinder_in_channel(problem, sizes.bodies_only);
   if (cylinder) {

@@ -22,6 +22,7 @@ struct MeshSizes {
   int splittings = 0;  ///< Gmsh makes cells 2^splittings larger, each then split so often into four
   bool bodies_only = false;   ///< leave the fluid out
   bool unstructured = false;  ///< no blocks, even where they fit
+  double wall = 0.0;          ///< at the channel's no-slip sides; 0: as anywhere else
 };
 
 /// Material id of a cell: 0 is fluid, i + 1 is Problem::solids[i].
@@ -40,6 +41,8 @@ struct MeshQuality {
   int cells = 0;
   int solid_cells = 0;
 };
+
+bool is_no_slip(const Problem& problem, Side side);
 
 /// Fills `mesh`; boundary ids are static_cast<unsigned>(Side). Throws std::runtime_error when
 /// Gmsh fails or a cell is too distorted to compute on (scaled Jacobian below 0.1), saying where.

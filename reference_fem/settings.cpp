@@ -36,6 +36,11 @@ MeshSizes read_sizes(const Table& table, const Problem& problem) {
   sizes.free_corner =
       positive(table, "free_corner_size", dimension::length, length(0.05 * sizes.bulk));
   sizes.face = positive(table, "face_size", dimension::length, length(0.5 * sizes.bulk));
+  if (table.has("wall_size")) {
+    sizes.wall = table.quantity("wall_size", dimension::length);
+    if (!(sizes.wall > 0.0 && sizes.wall <= sizes.bulk))
+      table.refuse("wall_size", "must be positive and at most cell_size");
+  }
   sizes.growth = table.number_or("growth", 2.0);
   if (!(sizes.growth > 1.0 && sizes.growth <= 4.0))
     table.refuse("growth",

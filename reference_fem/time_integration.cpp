@@ -166,11 +166,12 @@ void TimeIntegration::solve_stage(Fields& fields, const std::vector<double>& bas
     secants_.accelerate(fields.velocity, fields.pressure, velocity_step_, pressure_step_);
     add(fields.velocity, 1.0, velocity_step_);
     add(fields.pressure, 1.0, pressure_step_);
-    speed_scale_ = std::max(speed_scale_, largest(fields.velocity));
+    const double speed = std::max(speed_scale_, largest(fields.velocity));
     if (theta > 0.0) contraction_ = std::max(theta, 1e-3);
     const double remaining =
         contraction_ < 1.0 ? contraction_ / (1.0 - contraction_) * change : change;
-    if (remaining <= newton_.tolerance * speed_scale_) {
+    if (remaining <= newton_.tolerance * speed) {
+      speed_scale_ = speed;  // of solutions only: a step that is taken back may be far too fast
       conclude(fields, base_velocity, base_displacement);
       return;
     }

@@ -105,12 +105,17 @@ int size_field(const std::string& list, const std::vector<double>& entities, dou
   return threshold;
 }
 
-bool on_channel(const Box& channel, const std::vector<double>& box) {
+/// `box`: least x, y, z and largest.
+bool lies_on(const Box& channel, Side side, const std::vector<double>& box) {
   const double tolerance = 1e-6 * (channel.to[0] - channel.from[0]);
-  for (std::size_t d = 0; d < 2; ++d)
-    for (const double side : {channel.from[d], channel.to[d]})
-      if (std::abs(box[d] - side) < tolerance && std::abs(box[d + 3] - side) < tolerance)
-        return true;
+  const std::size_t d = side == Side::left || side == Side::right ? 0 : 1;
+  const double at = side == Side::left || side == Side::bottom ? channel.from[d] : channel.to[d];
+  return std::abs(box[d] - at) < tolerance && std::abs(box[d + 3] - at) < tolerance;
+}
+
+bool on_channel(const Box& channel, const std::vector<double>& box) {
+  for (const Side side : {Side::left, Side::right, Side::bottom, Side::top})
+    if (lies_on(channel, side, box)) return true;
   return false;
 }
 
@@ -137,6 +142,20 @@ std::vector<double> size_fields_at_faces(const Problem& problem, const MeshSizes
   }
   if (!curves.empty()) fields.push_back(size_field("CurvesList", curves, sizes.face, sizes));
   return fields;
+}
+
+/// The channel's no-slip sides, as far as they are left.
+std::vector<double> no_slip_sides(const Problem& problem) {
+  std::vector<double> found;
+  Tags all;
+  gmsh::model::getEntities(all, 1);
+  for (const auto& [dimension, tag] : all) {
+    std::vector<double> box(6);
+    gmsh::model::getBoundingBox(dimension, tag, box[0], box[1], box[2], box[3], box[4], box[5]);
+    for (const Side side : {Side::left, Side::right, Side::bottom, Side::top})
+      if (is_no_slip(problem, side) && lies_on(problem.channel, side, box)) found.push_back(tag);
+  }
+  return found;
 }
 
 /// Whether a point is a corner of a polygon around which the fluid flows.
@@ -172,6 +191,9 @@ void set_sizes(const Problem& problem, const MeshSizes& sizes,
     gmsh::model::getValue(dimension, tag, {}, x);
     if (is_edge_in_the_flow(problem, {x[0], x[1]})) free.push_back(tag);
   }
+  const std::vector<double> sides = no_slip_sides(problem);
+  if (sizes.wall > 0.0 && !sides.empty())
+    fields.push_back(size_field("CurvesList", sides, sizes.wall, sizes));
   if (!clamped.empty())
     fields.push_back(size_field("PointsList", clamped, sizes.clamp_corner, sizes));
   if (!free.empty()) fields.push_back(size_field("PointsList", free, sizes.free_corner, sizes));
@@ -220,7 +242,8 @@ std::vector<std::vector<int>> build_unstructured(const Problem& problem, const M
   // Every cell of the triangles' pairs is split once more by the subdivision that leaves only
   // quadrilaterals.
   MeshSizes doubled = sizes;
-  for (double* size : {&doubled.bulk, &doubled.clamp_corner, &doubled.free_corner, &doubled.face})
+  for (double* size :
+       {&doubled.bulk, &doubled.clamp_corner, &doubled.free_corner, &doubled.face, &doubled.wall})
     *size *= 2.0;
   set_sizes(problem, doubled, surfaces);
   // Frontal-Delaunay triangles, paired: the variant made for quadrilaterals (8) crashes in

@@ -5,10 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 namespace sprung::reference {
 namespace {
@@ -62,6 +64,38 @@ TEST(UnstructuredMesh, HasTheScenesAreasRimsAndSizes) {
     EXPECT_NEAR(rim[obstacle_id + 1], 0.1 + 2.0 * std::hypot(0.05, 0.08), 1e-12);
     EXPECT_NEAR(rim[static_cast<unsigned>(Side::left)], 0.4, 1e-12);
     EXPECT_NEAR(rim[static_cast<unsigned>(Side::bottom)], 1.0, 1e-12);
+  }
+}
+
+/// Largest and smallest height of the cells at the floor, the channel being empty but for
+/// `problem`.
+std::pair<double, double> heights_at_the_floor(const Problem& problem, const MeshSizes& sizes) {
+  dealii::Triangulation<2> mesh;
+  make_mesh(problem, sizes, mesh);
+  double least = 1.0, most = 0.0;
+  for (const auto& cell : mesh.active_cell_iterators())
+    for (const unsigned f : cell->face_indices())
+      if (cell->face(f)->at_boundary() && std::abs(cell->face(f)->center()[1]) < 1e-12) {
+        const double height = cell->measure() / cell->face(f)->measure();
+        least = std::min(least, height);
+        most = std::max(most, height);
+      }
+  return {least, most};
+}
+
+TEST(Mesh, IsRefinedAtNoSlipSides) {
+  Problem problem;
+  problem.channel = {{0, 0, 0}, {1.0, 0.4, 0}};
+  problem.walls = Walls{{Side::bottom}, {Side::top}};
+  for (const bool unstructured : {false, true}) {
+    MeshSizes sizes = {0.08, 0.02, 0.02, 0.03, 2.0, 1, false, unstructured};
+    const auto [coarse, coarsest] = heights_at_the_floor(problem, sizes);
+    sizes.wall = 0.01;
+    const auto [fine, finest] = heights_at_the_floor(problem, sizes);
+    // Blocks round their counts; pairs of triangles vary by half.
+    EXPECT_GT(fine, 0.5 * sizes.wall);
+    EXPECT_LT(finest, 2.0 * sizes.wall);
+    EXPECT_GT(coarse, 1.5 * finest);
   }
 }
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 namespace sprung::reference {
 namespace {
@@ -25,13 +26,15 @@ struct Result {
 
 /// Marches a scene to its steady state with strongly damped steps.
 /// `level` halves the cells that often; below 0 it doubles them.
-Result steady(const std::string& name, int level, const std::string& mesh = "blocks") {
+Result steady(const std::string& name, int level, const std::vector<std::string>& further = {}) {
   const double cell = 33.4 * std::pow(2.0, -level);
   const int splittings = std::max(0, level);
-  Document document(SPRUNG_TUREK_HRON + ("/" + name + ".toml"),
-                    {"reference_fem.cell_size=" + std::to_string(cell) + " mm",
-                     "reference_fem.splittings=" + std::to_string(splittings),
-                     "reference_fem.mesh=" + mesh, "reference_fem.newton_tolerance=1e-7"});
+  std::vector<std::string> overrides = {"reference_fem.cell_size=" + std::to_string(cell) + " mm",
+                                        "reference_fem.splittings=" + std::to_string(splittings),
+                                        "reference_fem.mesh=" + mesh,
+                                        "reference_fem.newton_tolerance=1e-7"};
+  overrides.insert(overrides.end(), further.begin(), further.end());
+  Document document(SPRUNG_TUREK_HRON + ("/" + name + ".toml"), overrides);
   const Problem problem = read_problem(document);
   Simulation simulation(problem, read_settings(document, problem));
   for (const double event : simulation.events())
@@ -102,7 +105,13 @@ TEST(TurekHron, FSI1) {
 }
 
 TEST(TurekHron, FSI1WithoutBlocks) {
-  const Result r = steady("fsi1", 1, "unstructured");
+  // What bends the flag is a pressure difference of 1 Pa between its sides, of 40 Pa on either, so
+  // the corners of its end, where pressure is singular, must be resolved better than on the blocks,
+  // which are alike above and below and whose errors cancel: with cubic elements uy is 1.3 % too
+  // small with corners of 1.7 mm.
+  const Result r = steady("fsi1", 0,
+                          {"reference_fem.mesh=unstructured", "reference_fem.degree=3",
+                           "reference_fem.free_corner_size=0.1 mm"});
   std::printf("unstructured, %d unknowns: ux %.5e, uy %.5e, drag %.5f, lift %.5f\n", r.unknowns,
               r.tip[0], r.tip[1], r.force[0], r.force[1]);
   EXPECT_NEAR(r.tip[0], 0.0227e-3, allowed * 0.0227e-3);
