@@ -247,7 +247,7 @@ def of_size(found: float, mean: float, amplitude: float) -> float:
 
 
 def order_of(sizes, values) -> float | None:
-    """p of v(h) = v + C h^p through three points, coarsest first; None where they show none between 0.3 and 8."""
+    """p of v(h) = v + C h^p through three points, coarsest first; None where they show none between 1 and 8."""
     first, second = values[0] - values[1], values[1] - values[2]
     if first * second <= 0:
         return None
@@ -255,7 +255,7 @@ def order_of(sizes, values) -> float | None:
 
     def gap(p):
         return (h[0] ** p - h[1] ** p) / (h[1] ** p - 1.0) - first / second
-    return float(brentq(gap, 0.3, 8.0)) if gap(0.3) * gap(8.0) < 0 else None
+    return float(brentq(gap, 1.0, 8.0)) if gap(1.0) * gap(8.0) < 0 else None
 
 
 def limit_of(sizes, values, order: float) -> float:

@@ -31,7 +31,6 @@ Result steady(const std::string& name, int level, const std::vector<std::string>
   const int splittings = std::max(0, level);
   std::vector<std::string> overrides = {"reference_fem.cell_size=" + std::to_string(cell) + " mm",
                                         "reference_fem.splittings=" + std::to_string(splittings),
-                                        "reference_fem.mesh=" + mesh,
                                         "reference_fem.newton_tolerance=1e-7"};
   overrides.insert(overrides.end(), further.begin(), further.end());
   Document document(SPRUNG_TUREK_HRON + ("/" + name + ".toml"), overrides);
