@@ -159,6 +159,7 @@ def power(x: list, y: list) -> tuple[float, float, float]:
 
 
 FAR = (1e6, 1e9)  # unknowns to which the fit is carried on paper
+LEAST_SECONDS = 1.0  # shorter runs measure the start of the program
 
 
 def scaling(curve: str, made: list) -> dict | None:
@@ -169,7 +170,7 @@ def scaling(curve: str, made: list) -> dict | None:
     traffic per unknown as it was (a state that leaves the caches is dearer, and 10^9 unknowns fit no single machine).
     """
     runs = sorted((run for run in made if run["name"].split(".")[0] == curve and run.get("repeat") == 1
-                   and run.get("outcome") == "finished"), key=lambda run: run["unknowns"])
+                   and run.get("outcome") == "finished" and run["processor_seconds"] >= LEAST_SECONDS), key=lambda run: run["unknowns"])
     counts = [run["unknowns"] for run in runs]
     if len(set(counts)) < 3:
         return None
