@@ -179,7 +179,7 @@ def bending(rows: list[dict]):
     n = np.geomspace(1.5, 36, 200)
     grid[0].plot(n, 0.75 * (n - 1) / n, ":", color="grey", lw=1.3)
     grid[0].plot(n, (n - 1) * (2 * n - 1) / (2 * n * n), "--", color="grey", lw=1)
-    for text, place in (("¾ (n−1)/n", (10, 0.6)), ("(n−1)(2n−1)/(2n²)", (1.85, 0.8))):
+    for text, place in (("¾ (n−1)/n", (10, 0.6)), ("(n−1)(2n−1)/(2n²)", (1.85, 0.93))):
         grid[0].annotate(text, place, fontsize=8, color="#555555", va="top",
                          bbox={"fc": "white", "ec": "none", "pad": 0.5})
     for bonds, kappa, corrected, name, marker, colour in cases:
