@@ -90,6 +90,8 @@ class RunUnderWay {
   void note_retreat();
   void step();
   void look_at_step();
+  template <typename Look>
+  void measure(Look&& look);
   void save_good();
   std::optional<std::filesystem::path> last_good() const;
   Archive state() const;
@@ -221,11 +223,24 @@ void RunUnderWay<dim>::step() {
   }
 }
 
+/// What cannot be measured (no particle near a probe, a number that is none) is a fault of the run.
 template <int dim>
-void RunUnderWay<dim>::look_at_step() {
+template <typename Look>
+void RunUnderWay<dim>::measure(Look&& look) {
   auto& simulation = *scene_.simulation;
   const Clock& clock = simulation.state().clock;
   const double began = wall_seconds();
+  try {
+    look();
+  } catch (const std::runtime_error& error) {
+    fault_ = fmt::format("{}, at t = {:.6g} s, step {}", error.what(), clock.time, clock.step);
+  }
+  simulation.add_seconds(Action::output, wall_seconds() - began);
+}
+
+template <int dim>
+void RunUnderWay<dim>::look_at_step() {
+  const Clock& clock = scene_.simulation->state().clock;
   const auto crossed = [&](double parts) {
     const double interval = scene_.problem.end_time / parts;
     return std::floor(clock.time / interval + 1e-9) >
@@ -239,7 +254,6 @@ void RunUnderWay<dim>::look_at_step() {
     record_.checkpoint(clock.time, state());
     last_checkpoint_ = wall_seconds();
   }
-  simulation.add_seconds(Action::output, wall_seconds() - began);
 }
 
 template <int dim>
@@ -251,25 +265,26 @@ Outcome RunUnderWay<dim>::go() {
   // another one.
   const double end = options_.until > 0.0 ? std::min(options_.until, scene_.problem.end_time)
                                           : scene_.problem.end_time;
-  if (archive_.empty()) {
-    measurements_.ledgers();
-    if (stops.front() == 0.0) measurements_.at(0.0);
-  }
+  if (archive_.empty())
+    measure([&] {
+      measurements_.ledgers();
+      if (stops.front() == 0.0) measurements_.at(0.0);
+    });
+  if (!fault_.empty()) return Outcome::stopped;
   Progress progress("particles", end, clock.time);
   for (const double stop : stops) {
     if (stop <= clock.time) continue;
     simulation.stop_at(stop);
     while (clock.time < std::min(stop, end) && asked_to_stop == 0) {
       step();
+      if (fault_.empty()) measure([&] { look_at_step(); });
       if (!fault_.empty()) return Outcome::stopped;
-      look_at_step();
       progress.advance(clock.time, fmt::format("dt {:.3g} ms, {} iterations", 1e3 * clock.time_step,
                                                simulation.pressure_report().iterations));
     }
     if (clock.time < stop) return Outcome::paused;
-    const double began = wall_seconds();
-    measurements_.at(stop);
-    simulation.add_seconds(Action::output, wall_seconds() - began);
+    measure([&] { measurements_.at(stop); });
+    if (!fault_.empty()) return Outcome::stopped;
   }
   return Outcome::finished;
 }
