@@ -19,6 +19,7 @@ import json
 import math
 import re
 import sys
+import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -205,17 +206,25 @@ def parse_time(text: str) -> float:
     return float(match[1]) * {"s": 1.0, None: 1.0, "min": 60.0, "h": 3600.0}[match[2]]
 
 
+def thicknesses(case: Path) -> list:
+    """Least side of every body: a spacing between two whole numbers of layers is no neighbour of either. (The beam at
+    4.29 mm, three and a half layers, is 10.5 % off, between 7.3 % at three and 2.3 % at four.)"""
+    solids = tomllib.loads((case / "scene.toml").read_text()).get("solid", {})
+    boxes = [solid["body"] for solid in solids.values() if "from" in solid.get("body", {})]
+    return [min(quantity(to) - quantity(begin) for begin, to in zip(box["from"], box["to"])) for box in boxes]
+
+
 def answer(case: Path, options: argparse.Namespace) -> dict:
     table = read_table(case / "records" / "cost_study.csv")
     about = json.loads((case / "records" / "cost_study.json").read_text())
     floor = max(about["truth_error"].values())
+    sides = about["channel_m"] + thicknesses(case)
     found = {}
     for solver in plans.SOLVERS:
         if not any(one.solver == solver for one in table):
             continue
-        found[solver] = (for_error(table, solver, parse_error(options.error), floor, about["channel_m"]) if options.error
-                         else for_time(table, solver, parse_time(options.time), floor,
-                                                about["channel_m"]))
+        found[solver] = (for_error(table, solver, parse_error(options.error), floor, sides) if options.error
+                         else for_time(table, solver, parse_time(options.time), floor, sides))
     asked = f"error of {parse_error(options.error):.2%}" if options.error else f"budget of {parse_time(options.time):g} s"
     commits = "; ".join(f"{solver} at {', '.join(c[:7] for c in those)}" for solver, those in about["commits"].items())
     print(f"{about['title']}, {asked}; measured on {', '.join(about['processor'])}, one thread, {commits}\n")
