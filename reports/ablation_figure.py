@@ -53,10 +53,7 @@ def draw(rows: list[dict], title: str, file: Path) -> None:
     right.set(xlabel="processor time over the whole run's", title="time without it")
     right.margins(x=0.2)
     figure.suptitle(title.split(";")[0].split(": loss")[0], fontsize=8.5, x=0.01, ha="left")
-    beside = file.with_name("new_" + file.name)
-    figure.savefig(beside)
-    plt.close(figure)
-    beside.replace(file)
+    style.save(figure, file)
 
 
 if __name__ == "__main__":

@@ -75,10 +75,7 @@ def draw(rows: list[dict], about: dict, file: Path) -> None:
     legend.legend(*left.get_legend_handles_labels(), loc="center", fontsize=7.5)
     right.text(1.0, 1.02, f"commits: {commits}; {', '.join(about['processor'])}", fontsize=6.5, ha="right",
                transform=right.transAxes)
-    beside = file.with_name("new_" + file.name)
-    figure.savefig(beside)
-    plt.close(figure)
-    beside.replace(file)
+    style.save(figure, file)
 
 
 if __name__ == "__main__":

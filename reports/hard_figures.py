@@ -62,10 +62,7 @@ def draw(row: dict, folder: Path, file: Path) -> None:
     for panel, (name, measured) in zip(axes[0][1:], curves):
         draw_curves(panel, name, measured)
     figure.suptitle(f"{row['title']}: {row['verdict']}", x=0.01, ha="left")
-    beside = file.with_name("new_" + file.name)
-    figure.savefig(beside, dpi=style.DPI)
-    plt.close(figure)
-    beside.replace(file)
+    style.save(figure, file)
 
 
 def main() -> int:

@@ -61,10 +61,7 @@ def draw(case: Path, records: list, file: Path) -> None:
     place = axes.flat[len(measures)] if len(measures) < axes.size else axes.flat[0]
     place.legend(drawn.values(), drawn.keys(), fontsize=8, loc="best" if len(measures) == axes.size else "upper left")
     figure.suptitle(f"{case.name}: largest over the judged times, by commit", fontsize=9, x=0.01, ha="left")
-    beside = file.with_name("new_" + file.name)
-    figure.savefig(beside)
-    plt.close(figure)
-    beside.replace(file)
+    style.save(figure, file)
 
 
 if __name__ == "__main__":

@@ -39,10 +39,7 @@ def draw(rows: list[dict], file: Path) -> None:
         note = f"\nnot finished: {', '.join(missing)}" if missing else ""
         panel.set(title=title, xlabel="processor time [s]" + note, ylabel="error")
         panel.margins(x=0.6, y=0.08)
-    beside = file.with_name("new_" + file.name)
-    figure.savefig(beside)
-    plt.close(figure)
-    beside.replace(file)
+    style.save(figure, file)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,7 @@
 """Colours, line styles and sizes that every figure shares."""
 
+from pathlib import Path
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -33,6 +35,14 @@ plt.rcParams.update(
         "savefig.facecolor": "white",
     }
 )
+
+
+def save(figure, file: Path) -> None:
+    """Whole or not at all: written beside the file, then put in its place."""
+    beside = file.with_name("new_" + file.name)
+    figure.savefig(beside)
+    plt.close(figure)
+    beside.replace(file)
 
 
 def colour(label: str, position: int) -> str:

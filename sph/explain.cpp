@@ -75,12 +75,13 @@ struct Boundary {
 
 Boundary boundary_of(const Problem& problem) {
   Boundary b;
-  const bool flat = problem.walls && problem.walls->no_slip.size() + problem.walls->free_slip.size() > 0;
+  const bool flat =
+      problem.walls && problem.walls->no_slip.size() + problem.walls->free_slip.size() > 0;
   b.note(flat,
-         flat ? fmt::format("mirrors at flat walls: [walls], no slip at {}; free slip at {}",
-                            problem.walls->no_slip.empty() ? "none" : sides_of(problem.walls->no_slip),
-                            problem.walls->free_slip.empty() ? "none"
-                                                             : sides_of(problem.walls->free_slip))
+         flat ? fmt::format(
+                    "mirrors at flat walls: [walls], no slip at {}; free slip at {}",
+                    problem.walls->no_slip.empty() ? "none" : sides_of(problem.walls->no_slip),
+                    problem.walls->free_slip.empty() ? "none" : sides_of(problem.walls->free_slip))
               : "",
          "mirrors at flat walls: a table [walls]");
   b.note(!problem.curved_walls.empty(),
@@ -96,13 +97,12 @@ Boundary boundary_of(const Problem& problem) {
                         : "inflow: [inflow] with a pressure",
          "inflow: a table [inflow]");
   b.note(problem.outflow.has_value(), "outflow: [outflow]", "outflow: a table [outflow]");
-  const bool timed =
-      (problem.inflow && !problem.inflow->waveform.constant()) ||
-      (problem.pressure_inflow && !problem.pressure_inflow->waveform.constant()) ||
-      (problem.outflow && !problem.outflow->waveform.constant()) ||
-      (problem.gravity && !problem.gravity->waveform.constant()) ||
-      std::any_of(problem.wall_motion.begin(), problem.wall_motion.end(),
-                  [](const WallMotion& one) { return !one.waveform.constant(); });
+  const bool timed = (problem.inflow && !problem.inflow->waveform.constant()) ||
+                     (problem.pressure_inflow && !problem.pressure_inflow->waveform.constant()) ||
+                     (problem.outflow && !problem.outflow->waveform.constant()) ||
+                     (problem.gravity && !problem.gravity->waveform.constant()) ||
+                     std::any_of(problem.wall_motion.begin(), problem.wall_motion.end(),
+                                 [](const WallMotion& one) { return !one.waveform.constant(); });
   b.note(timed, "waveform: a table has one", "waveforms: a key waveform");
   const auto clamped = std::count_if(problem.solids.begin(), problem.solids.end(),
                                      [](const Solid& solid) { return solid.clamped.has_value(); });
@@ -180,11 +180,13 @@ std::string explain(Document& document, const ModulusTable& table) {
   getrusage(RUSAGE_SELF, &usage);
   text += fmt::format(
       "\nCost on this machine, one thread, from {} steps of this scene\n"
-      "  {:.0f} steps of {:.3g} ms{}, {:.2g} s of set-up: {:.3g} s of processor time, within a factor "
+      "  {:.0f} steps of {:.3g} ms{}, {:.2g} s of set-up: {:.3g} s of processor time, within a "
+      "factor "
       "of 1.5\n"
       "  {:.0f} MB of memory\n",
       steps.steps, count, 1e3 * steps.per_step,
-      whole ? "" : fmt::format(" and {:.0f} % more once the flow moves", 100.0 * (Sample::later - 1.0)),
+      whole ? ""
+            : fmt::format(" and {:.0f} % more once the flow moves", 100.0 * (Sample::later - 1.0)),
       set_up, expected, double(usage.ru_maxrss) / 1024.0 + record_megabytes);
   for (const auto& warning : scene.warnings) text += fmt::format("\nwarning: {}\n", warning);
   return text;

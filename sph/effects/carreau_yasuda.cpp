@@ -35,7 +35,8 @@ void CarreauYasudaLaw<dim>::update(const State<dim>& state,
       const auto s = static_cast<std::size_t>(state.images.source(near.index[k]));
       // A column or a body has no viscosity of the fluid's: there it is taken to be even.
       if (s >= n || (s < particles.solids) != solid) continue;
-      sum += near.gradient_factor[k] * (ratio_[s] - ratio_[i]) * (points[i] - points[near.index[k]]);
+      sum +=
+          near.gradient_factor[k] * (ratio_[s] - ratio_[i]) * (points[i] - points[near.index[k]]);
     }
     sum *= particles.volume;
     ratio_gradient_[i] = corrected ? Vector<dim>(state.gradient_correction[i] * sum) : sum;

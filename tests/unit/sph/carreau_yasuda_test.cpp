@@ -67,7 +67,8 @@ TEST(CarreauYasuda, ViscousTermConvergesToTheDivergenceOfTheStress) {
     const double coarse = rms_error(20, b, law), fine = rms_error(40, b, law);
     // Second order on the lattice; a missing or wrong term would leave an error that stays.
     EXPECT_GT(coarse / fine, 3.4) << "b = " << b << ", errors " << coarse << ", " << fine;
-    EXPECT_LT(fine, 0.02) << "b = " << b;  // (2 pi h)^2 / 12 with the widest part of the stencil, twice
+    EXPECT_LT(fine, 0.02) << "b = "
+                          << b;  // (2 pi h)^2 / 12 with the widest part of the stencil, twice
   }
 }
 
