@@ -1,4 +1,5 @@
-# Writes OUTPUT from TEMPLATE with the commit of SOURCE_DIR and whether its tracked files are unchanged.
+# Writes OUTPUT from TEMPLATE with the commit of SOURCE_DIR and whether its tracked files are unchanged. Kept records do
+# not count: no run reads them, and a suite that keeps one case's would call its next case's source changed.
 # Without git, or outside a repository, both are "unknown". OUTPUT keeps its date if nothing changed.
 set(COMMIT unknown)
 set(CLEAN unknown)
@@ -11,7 +12,7 @@ if(GIT)
     set(hash ${CMAKE_MATCH_1})
     set(COMMIT ${hash})
     execute_process(COMMAND ${GIT} -C ${SOURCE_DIR} --no-optional-locks status --porcelain
-        --untracked-files=no
+        --untracked-files=no -- . ":(exclude)validation/*/records/*" ":(exclude)validation/numerics_study/*"
       OUTPUT_VARIABLE changes ERROR_QUIET RESULT_VARIABLE failed)
     if(NOT failed)
       if(changes STREQUAL "")
