@@ -3,6 +3,7 @@
 
 import csv
 import sys
+import textwrap
 from pathlib import Path
 
 import style  # chooses matplotlib's backend
@@ -25,20 +26,25 @@ def colour(choice: str) -> str:
     return next((c for group, c in GROUPS.items() if choice.startswith(group)), style.REFERENCE)
 
 
+def label_beside(panel, points: list) -> None:
+    """Names in a column at the right, in the order of the errors, each with a line to its point."""
+    for rank, (x, y, choice) in enumerate(sorted(points, key=lambda p: p[1])):
+        panel.annotate(choice.replace("=", " "), (x, y), xytext=(1.06, (rank + 0.5) / len(points)),
+                       textcoords="axes fraction", fontsize=7, color=colour(choice), va="center", annotation_clip=False,
+                       arrowprops={"arrowstyle": "-", "color": colour(choice), "linewidth": 0.4, "relpos": (0.0, 0.5)})
+
+
 def draw(rows: list[dict], file: Path) -> None:
-    figure, axes = plt.subplots(1, len(PANELS), figsize=(5.2 * len(PANELS), 5.0), layout="constrained")
-    for panel, (error, time, title) in zip(axes, PANELS):
+    figure, axes = plt.subplots(2, 2, figsize=(11.0, 8.6), layout="constrained")
+    for panel, (error, time, title) in zip(axes.flat, PANELS):
         points = [(float(r[time]), float(r[error]), r["choice"]) for r in rows if r[error] and r[time]]
-        for number, (x, y, choice) in enumerate(sorted(points, key=lambda p: p[1])):
+        for x, y, choice in points:
             panel.loglog(x, y, "o", color=colour(choice), markersize=7 if choice == "recommended" else 4)
-            # Labels to both sides in turn, so that neighbours do not cover each other.
-            panel.annotate(choice.replace("=", " "), (x, y), fontsize=6, color=colour(choice), va="center",
-                           xytext=(6, 0) if number % 2 else (-6, 0), textcoords="offset points",
-                           ha="left" if number % 2 else "right")
         missing = [r["choice"] for r in rows if not r[error]]
-        note = f"\nnot finished: {', '.join(missing)}" if missing else ""
+        note = "\n" + textwrap.fill(f"not finished: {', '.join(missing)}", 60) if missing else ""
         panel.set(title=title, xlabel="processor time [s]" + note, ylabel="error")
-        panel.margins(x=0.6, y=0.08)
+        panel.margins(y=0.08)
+        label_beside(panel, points)
     style.save(figure, file)
 
 
