@@ -380,12 +380,7 @@ void Simulation<dim>::solve_pressure() {
     add_density_feedback();
     for (std::size_t i = 0; i < n; ++i)
       source_[i] = source_[i] / state_.clock.time_step + matrix_.boundary_source()[i];
-    if (matrix_.singular()) {
-      double mean = 0.0;
-      for (const double s : source_) mean += s;
-      mean /= static_cast<double>(n);
-      for (double& s : source_) s -= mean;
-    }
+    if (matrix_.singular()) remove_mean(source_);
     cells_.assign<dim>({particles.position.data(), n}, cell_origin_, inverse_cell_);
     solver_->prepare(matrix_, cells_);
   }
@@ -397,12 +392,7 @@ void Simulation<dim>::solve_pressure() {
                              std::to_string(pressure_report_.relative_residual) + " after " +
                              std::to_string(pressure_report_.iterations) + " iterations");
   for (double& psi : particles.pseudo_pressure) psi += shift;
-  if (!matrix_.singular()) return;
-  // Known up to a constant: the one of zero mean.
-  double mean = 0.0;
-  for (std::size_t i = 0; i < n; ++i) mean += particles.pseudo_pressure[i];
-  mean /= static_cast<double>(n);
-  for (std::size_t i = 0; i < n; ++i) particles.pseudo_pressure[i] -= mean;
+  if (matrix_.singular()) remove_mean({particles.pseudo_pressure.data(), n});
 }
 
 template <int dim>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sprung::sph {
 
@@ -96,30 +97,7 @@ void Images<dim>::mirror(const Particles<dim>& particles, double reach) {
 }
 
 template <int dim>
-void Images<dim>::turn_back(Vector<dim>& x) const {
-  for (const auto& wall : walls_)
-    if (wall.inward * (x[wall.axis] - wall.place) < 0.0)
-      x[wall.axis] = 2.0 * wall.place - x[wall.axis];
-  for (const auto& wall : shaped_) {
-    const auto view = wall.shape->view_within(x, reach_);
-    if (view && view->distance < 0.0) x -= 2.0 * view->distance * view->normal;
-  }
-}
-
-template <int dim>
-bool Images<dim>::outside_a_wall(const Vector<dim>& x) const {
-  for (const auto& wall : walls_)
-    if (wall.inward * (x[wall.axis] - wall.place) < 0.0) return true;
-  // No particle goes farther than the reach in one step.
-  for (const auto& wall : shaped_) {
-    const auto view = wall.shape->view_within(x, reach_);
-    if (view && view->distance < 0.0) return true;
-  }
-  return false;
-}
-
-template <int dim>
-bool Images<dim>::reflect(Vector<dim>& x, Vector<dim>& u, double most) const {
+bool Images<dim>::mirror_back(Vector<dim>& x, Vector<dim>& u, double most) const {
   for (const auto& wall : walls_) {
     const double distance = wall.inward * (x[wall.axis] - wall.place);
     if (distance >= 0.0) continue;
@@ -134,7 +112,30 @@ bool Images<dim>::reflect(Vector<dim>& x, Vector<dim>& u, double most) const {
     x -= 2.0 * view->distance * view->normal;
     u -= 2.0 * u.dot(view->normal) * view->normal;
   }
-  return !outside_a_wall(x);
+  return true;
+}
+
+template <int dim>
+void Images<dim>::turn_back(Vector<dim>& x) const {
+  Vector<dim> still = Vector<dim>::Zero();
+  mirror_back(x, still, std::numeric_limits<double>::infinity());
+}
+
+template <int dim>
+bool Images<dim>::reflect(Vector<dim>& x, Vector<dim>& u, double most) const {
+  return mirror_back(x, u, most) && !outside_a_wall(x);
+}
+
+template <int dim>
+bool Images<dim>::outside_a_wall(const Vector<dim>& x) const {
+  for (const auto& wall : walls_)
+    if (wall.inward * (x[wall.axis] - wall.place) < 0.0) return true;
+  // No particle goes farther than the reach in one step.
+  for (const auto& wall : shaped_) {
+    const auto view = wall.shape->view_within(x, reach_);
+    if (view && view->distance < 0.0) return true;
+  }
+  return false;
 }
 
 template <int dim>

@@ -107,6 +107,9 @@ class Images {
     std::size_t of;  ///< which wall
     std::size_t begin, end;
   };
+  /// Mirrors `x` in every wall that it is outside of, and turns `u` round; false, and no further,
+  /// where that is by more than `most` (m).
+  bool mirror_back(Vector<dim>& x, Vector<dim>& u, double most) const;
   void mirror_in_shapes(double reach);
   void mirror_in_walls(double reach);
   void copy_across_periodic_sides(double reach);

@@ -1,5 +1,7 @@
 #include "sph/effects/carreau_yasuda.hpp"
 
+#include "sph/velocity_gradient.hpp"
+
 namespace sprung::sph {
 
 template <int dim>
@@ -14,16 +16,9 @@ void CarreauYasudaLaw<dim>::update(const State<dim>& state,
   ratio_gradient_.resize(n);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
-    const auto near = state.support.of(i);
-    Matrix sum = Matrix::Zero();
-    for (std::size_t k = 0; k < near.index.size(); ++k)
-      sum += (near.gradient_factor[k] * (velocity[near.index[k]] - velocity[i])) *
-             (points[i] - points[near.index[k]]).transpose();
-    sum *= particles.volume;
-    if (corrected) sum = sum * state.gradient_correction[i].transpose();
-    gradient_[i] = sum;
+    const Matrix<dim> gradient = gradient_[i] = velocity_gradient(state, velocity, i);
     // 2 D:D with D = (G + G^T)/2.
-    const double rate = std::sqrt(0.5 * (sum + sum.transpose()).squaredNorm());
+    const double rate = std::sqrt(0.5 * (gradient + gradient.transpose()).squaredNorm());
     ratio_[i] = viscosity_ratio(law_, dynamic_, rate);
   }
 #pragma omp parallel for schedule(static)

@@ -4,6 +4,7 @@
 
 #include "scene/problem.hpp"
 #include "sph/effects/roles.hpp"
+#include "sph/symmetric_form.hpp"
 
 #include <cmath>
 
@@ -43,11 +44,10 @@ class CarreauYasudaLaw {
   const std::vector<double>& ratio() const { return ratio_; }
 
  private:
-  using Matrix = Eigen::Matrix<double, dim, dim>;
   CarreauYasuda law_;
   double dynamic_;
   std::vector<double> ratio_;
-  std::vector<Matrix> gradient_;  ///< of velocity: row the component, column the direction
+  std::vector<Matrix<dim>> gradient_;  ///< of velocity: row the component, column the direction
   std::vector<Vector<dim>> ratio_gradient_;
 };
 

@@ -23,6 +23,13 @@ double dot(std::span<const double> a, std::span<const double> b) {
   return sum;
 }
 
+void remove_mean(std::span<double> values) {
+  double mean = 0.0;
+  for (const double value : values) mean += value;
+  mean /= static_cast<double>(values.size());
+  for (double& value : values) value -= mean;
+}
+
 namespace {
 
 class Bicgstab final : public PressureSolver {

@@ -85,12 +85,6 @@ class BoomerAmg final : public Preconditioner {
   }
 
  private:
-  static void remove_mean(std::vector<double>& values) {
-    double mean = 0.0;
-    for (const double value : values) mean += value;
-    mean /= static_cast<double>(values.size());
-    for (double& value : values) value -= mean;
-  }
   HYPRE_ParCSRMatrix csr() const {
     void* object = nullptr;
     HYPRE_IJMatrixGetObject(matrix_, &object);

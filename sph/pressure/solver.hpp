@@ -40,5 +40,7 @@ std::unique_ptr<PressureSolver> make_bicgstab_solver();
 
 /// Dot product summed in blocks of fixed size: the same bits for any number of threads.
 double dot(std::span<const double> a, std::span<const double> b);
+/// Subtracts the mean: a pressure that is known up to a constant, or a source that it can answer.
+void remove_mean(std::span<double> values);
 
 }  // namespace sprung::sph

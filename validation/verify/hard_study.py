@@ -33,7 +33,7 @@ from pathlib import Path
 import hard_measures
 from measures import Missing
 from scene import SceneMismatch
-from verify import FAIL, NOT_JUDGED, PASS, ROOT, WRONG_USE, Runner, WrongUse, facts, number, say, write_whole
+from verify import FAIL, NOT_JUDGED, PASS, ROOT, WRONG_USE, Runner, WrongUse, facts, number, say, say_point, write_whole
 
 from record import Record  # noqa: I001  (scene.py made the reader known)
 
@@ -225,9 +225,7 @@ def main() -> int:
         return WRONG_USE
     study, result, began = Study(options), {"rows": {}}, time.monotonic()
     for position, row in enumerate(rows):
-        spent = time.monotonic() - began
-        left = f", about {spent / position * (len(rows) - position):.0f} s left" if position else ""
-        say(f"row {position + 1} of {len(rows)}: {row['name']}{left}")
+        say_point("row", position, len(rows), row["name"], began)
         result["rows"][row["name"]] = study.row(row)
         verdicts = [one["verdict"] for one in result["rows"].values()]
         result["verdict"] = ", ".join(f"{verdicts.count(word)} {text}" for word, text in (

@@ -6,13 +6,12 @@ start of plane Couette flow (40 across; --quick 20), once per choice, every othe
 DIR/numerics.csv: error and processor time of each, with what made them in its first lines. --accept keeps the table as validation/numerics_study/numerics.csv.
 """
 
-import argparse
 import statistics
 import sys
 from pathlib import Path
 
 import measures
-from verify import ROOT, Runner, facts, say, write_whole
+from verify import ROOT, Runner, facts, keep_file, say, study_parser, write_whole
 
 from record import Record  # noqa: I001  (scene.py made the reader known)
 
@@ -99,13 +98,7 @@ def table(rows: list, made: list, spacing: dict) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="./sprung study numerics", add_help=False)
-    parser.add_argument("--program", type=Path, required=True)
-    parser.add_argument("--out", type=Path, default=ROOT / "results" / "study_numerics")
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--accept", action="store_true")
-    parser.add_argument("--time-limit", type=float, default=300.0)
-    options = parser.parse_args()
+    options = study_parser("numerics").parse_args()
     out = options.out.resolve()
     out.mkdir(parents=True, exist_ok=True)
     spacing = {"taylor_green": "20 mm" if options.quick else "10 mm", "cavity": "20 mm",
@@ -123,9 +116,7 @@ def main() -> int:
         return 6
     print((out / "numerics.csv").read_text(), end="")
     if options.accept:
-        kept = ROOT / "validation" / "numerics_study"
-        kept.mkdir(exist_ok=True)
-        write_whole(kept / "numerics.csv", (out / "numerics.csv").read_text())
+        keep_file(out / "numerics.csv", ROOT / "validation" / "numerics_study")
     return 0
 
 

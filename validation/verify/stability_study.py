@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 
 from scene import Scene
-from verify import ROOT, WRONG_USE, Runner, facts, say, write_whole
+from verify import ROOT, WRONG_USE, Runner, facts, keep_file, say, say_point, study_parser, write_whole
 
 from record import Record, quantity  # noqa: I001  (scene.py made the reader known)
 
@@ -152,13 +152,8 @@ def table(rows: list, made: dict) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="./sprung study stability", add_help=False)
+    parser = study_parser("stability")
     parser.add_argument("scene", nargs="?", type=Path, default=ROOT / "validation" / "hard" / "map.toml")
-    parser.add_argument("--program", type=Path, required=True)
-    parser.add_argument("--out", type=Path, default=ROOT / "results" / "study_stability")
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--accept", action="store_true")
-    parser.add_argument("--time-limit", type=float, default=300.0)
     options = parser.parse_args()
     options.out = options.out.resolve()
     options.out.mkdir(parents=True, exist_ok=True)
@@ -170,9 +165,7 @@ def main() -> int:
         return WRONG_USE
     points, rows, began = list(study.points(options.quick)), [], time.monotonic()
     for position, point in enumerate(points):
-        spent = time.monotonic() - began
-        left = f", about {spent / position * (len(points) - position):.0f} s left" if position else ""
-        say(f"point {position + 1} of {len(points)}: {point.name}{left}")
+        say_point("point", position, len(points), point.name, began)
         try:
             rows.append(point.measure())
         except RuntimeError as fault:
@@ -184,9 +177,7 @@ def main() -> int:
         return 6
     print((options.out / "stability.csv").read_text(), end="")
     if options.accept:
-        kept = ROOT / "validation" / "hard" / "records"
-        kept.mkdir(exist_ok=True)
-        write_whole(kept / "stability.csv", (options.out / "stability.csv").read_text())
+        keep_file(options.out / "stability.csv", ROOT / "validation" / "hard" / "records")
     return 0 if all(row["stable"] and row["automatic"] <= 0.8 * row["stable"] * 1.0001 for row in rows) else 1
 
 

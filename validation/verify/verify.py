@@ -26,6 +26,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 import tomllib
 from pathlib import Path
 
@@ -310,6 +311,30 @@ def write_whole(file: Path, text: str) -> None:
     beside = file.with_name(file.name + ".new")
     beside.write_text(text)
     os.replace(beside, file)
+
+
+def keep_file(file: Path, folder: Path) -> None:
+    """A copy of a study's table, as its accepted one."""
+    folder.mkdir(exist_ok=True)
+    write_whole(folder / file.name, file.read_text())
+
+
+def say_point(kind: str, position: int, count: int, name: str, began: float) -> None:
+    """Which point of how many begins, and the time left if the rest take as long as those done; `began`: monotonic."""
+    spent = time.monotonic() - began
+    left = f", about {spent / position * (count - position):.0f} s left" if position else ""
+    say(f"{kind} {position + 1} of {count}: {name}{left}")
+
+
+def study_parser(name: str) -> argparse.ArgumentParser:
+    """What a study of many small runs is told by the front door."""
+    parser = argparse.ArgumentParser(prog=f"./sprung study {name}", add_help=False)
+    parser.add_argument("--program", type=Path, required=True)
+    parser.add_argument("--out", type=Path, default=ROOT / "results" / f"study_{name}")
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--accept", action="store_true")
+    parser.add_argument("--time-limit", type=float, default=300.0)
+    return parser
 
 
 def keep(result: dict, folder: Path, reason: str) -> None:
