@@ -163,12 +163,18 @@ std::string explain(Document& document, const ModulusTable& table) {
   text += fmt::format("  {:.4g} s: CFL, courant {} x spacing / velocity scale ({} m/s)\n",
                       numerics.courant * particles.spacing / simulation.velocity_scale(),
                       numerics.courant, simulation.velocity_scale());
-  for (const auto* limit : simulation.effects().limits)
-    text += fmt::format("  {:.4g} s: {}\n", limit->largest_time_step(simulation.state()),
-                        limit->limit_name());
+  const std::string of_mode = fmt::format(", {} of what its fastest mode holds", kept_of_limit);
+  for (const auto* limit : simulation.effects().limits) {
+    const double explicitly = stable_time_step(limit->fastest_mode(simulation.state()));
+    const bool of_a_mode = std::isfinite(explicitly);
+    text += fmt::format("  {:.4g} s: {}{}\n",
+                        of_a_mode ? kept_of_limit * explicitly
+                                  : limit->largest_time_step(simulation.state()),
+                        limit->limit_name(), of_a_mode ? of_mode : "");
+  }
   if (scene.solid && numerics.spring_integration == SpringIntegration::implicit_force)
     text += fmt::format("  no limit: springs, implicit (explicit ones would need {:.4g} s)\n",
-                        scene.solid->largest_time_step(simulation.state()));
+                        kept_of_limit * stable_time_step(scene.solid->fastest_mode(simulation.state())));
 
   const double set_up = processor_seconds();
   const Sample steps = sample(simulation, scene.problem.end_time);

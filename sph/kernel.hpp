@@ -3,6 +3,9 @@
 
 #include "sph/vector.hpp"
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -55,13 +58,18 @@ struct LatticeSums {
   double partition;        ///< sum of V W, self included: 1 in the limit of many neighbours
   double gradient;         ///< discrete over exact gradient of a linear field: -sum V F x^2
   double gradient_weight;  ///< sum of -V F over the neighbours, 1/m^2
+  /// Largest eigenvalue of u -> sum of -V F (u_i - u_j), 1/m^2, over the waves at the corners of the
+  /// lattice's Brillouin zone; no other wave decays faster by more than 1 % (h = 1 to 2 dx).
+  double fastest_decay;
+  double decay_along_axis;  ///< that of the wave which turns its sign along one axis
 };
 
 template <int dim>
 LatticeSums lattice_sums(const Kernel<dim>& kernel, double spacing) {
   const int reach = static_cast<int>(kernel.support_radius() / spacing) + 1;
   const double volume = std::pow(spacing, dim);
-  LatticeSums sums{0.0, 0.0, 0.0};
+  LatticeSums sums{};
+  std::array<double, 1 << dim> decay{};  // bit d of the corner: the wave turns its sign along d
   const int depth = dim == 3 ? reach : 0;
   for (int i = -reach; i <= reach; ++i)
     for (int j = -reach; j <= reach; ++j)
@@ -73,7 +81,13 @@ LatticeSums lattice_sums(const Kernel<dim>& kernel, double spacing) {
         const double x = spacing * i;
         sums.gradient -= volume * kernel.gradient_factor(r) * x * x;
         sums.gradient_weight -= volume * kernel.gradient_factor(r);
+        const unsigned odd = (i & 1) | (j & 1) << 1 | (k & 1) << 2;
+        for (unsigned corner = 0; corner < decay.size(); ++corner)
+          if (std::popcount(corner & odd) % 2 == 1)
+            decay[corner] -= 2.0 * volume * kernel.gradient_factor(r);
       }
+  sums.decay_along_axis = decay[1];
+  sums.fastest_decay = *std::max_element(decay.begin(), decay.end());
   return sums;
 }
 

@@ -184,11 +184,19 @@ template <int dim>
 TimeStepChoice Simulation<dim>::time_step_limit() const {
   TimeStepChoice choice{numerics_.courant * state_.particles.spacing / velocity_scale_,
                         "CFL, courant x spacing / velocity scale"};
+  FastestMode fastest;
+  std::string_view name;
   for (const auto* limit : effects_.limits) {
     const double value = limit->largest_time_step(state_);
     if (value < choice.value) choice = {value, limit->limit_name()};
+    const FastestMode mode = limit->fastest_mode(state_);
+    if (!std::isfinite(stable_time_step(mode))) continue;
+    name = name.empty() ? limit->limit_name() : "viscosity and springs";
+    fastest.decay += mode.decay;
+    fastest.frequency = std::hypot(fastest.frequency, mode.frequency);
   }
-  return choice;
+  const double value = kept_of_limit * stable_time_step(fastest);
+  return value < choice.value ? TimeStepChoice{value, name} : choice;
 }
 
 template <int dim>

@@ -44,7 +44,7 @@ struct Effects {
 
 struct TimeStepChoice {
   double value = 0.0;
-  std::string limit;  ///< what set it, in words
+  std::string_view limit;  ///< what set it, in words
 };
 
 template <int dim>

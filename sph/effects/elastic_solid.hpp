@@ -34,12 +34,9 @@ class ElasticSolid final : public Acceleration<dim>,
   /// per step.
   void constrain(State<dim>& state, const std::vector<Vector<dim>>& old_velocity) override;
 
-  /// What explicit springs with the new-velocity update allow, 0.8 x 2/omega_max (s), omega_max of
-  /// K/m at rest. Implicit springs set no limit and are not asked.
-  double largest_time_step(const State<dim>&) const override {
-    return 0.8 * 2.0 / highest_frequency_;
-  }
-  std::string limit_name() const override { return "springs, 0.8 x 2/omega_max"; }
+  /// omega_max of K/m at rest. Implicit springs set no limit and are not asked.
+  FastestMode fastest_mode(const State<dim>&) const override { return {0.0, highest_frequency_}; }
+  std::string_view limit_name() const override { return "springs"; }
 
   /// Bonds of a body do something beside their linear spring. Before the first step; explicit
   /// springs take shorter steps for it.

@@ -261,7 +261,7 @@ bool add_printed_integrator(ParticleScene<dim>& scene, const ModulusTable& table
       stiffest / table.modulus_per_stiffness(dim, numerics.bonds, numerics.area_stiffness);
   auto& effects = simulation.effects();
   effects.pure_limits.push_back(std::make_unique<PrintedIntegratorLimit<dim>>(
-      scene.problem.viscosity->dynamic, shear_stiffness<dim>(k_e, numerics.bonds)));
+      scene.problem.viscosity->dynamic, shear_stiffness<dim>(k_e, numerics.bonds), *scene.solid));
   effects.limits.push_back(effects.pure_limits.back().get());
   return true;
 }

@@ -5,8 +5,9 @@
 #include "sph/boundary/images.hpp"
 #include "sph/neighbours.hpp"
 
+#include <cmath>
 #include <limits>
-#include <string>
+#include <string_view>
 
 namespace sprung::sph {
 
@@ -60,14 +61,35 @@ class TimeDependence {
   virtual void set(State<dim>& state) = 0;
 };
 
+/// The fastest of what the step advances explicitly.
+struct FastestMode {
+  double decay = 0.0;      ///< 1/s, of diffusion by Adams-Bashforth
+  double frequency = 0.0;  ///< rad/s, of springs moved with the new velocity
+};
+
+/// Largest step (s) that holds both, infinite without either. A mode that both act on turns its sign
+/// from step to step, the first to become unstable, when r dt + (w dt / 2)^2 = 1: put z = -1 into
+/// u' = u - r dt (3/2 u - 1/2 u_before) - w^2 dt x, x' = x + dt u'.
+inline double stable_time_step(const FastestMode& mode) {
+  return 2.0 / (mode.decay + std::hypot(mode.decay, mode.frequency));
+}
+
+/// Part of its stable range that a step which sets itself keeps to.
+constexpr double kept_of_limit = 0.8;
+
 /// Bounds the time step.
 template <int dim>
 class TimeStepLimit {
  public:
   virtual ~TimeStepLimit() = default;
-  /// Largest stable step in seconds, and in words what sets it.
-  virtual double largest_time_step(const State<dim>& state) const = 0;
-  virtual std::string limit_name() const = 0;
+  /// Adds up with what the other effects say, for a mode of both is faster than that of either.
+  virtual FastestMode fastest_mode(const State<dim>&) const { return {}; }
+  /// A bound (s) of any other kind.
+  virtual double largest_time_step(const State<dim>&) const {
+    return std::numeric_limits<double>::infinity();
+  }
+  /// What sets the bound, in words that outlive the effect.
+  virtual std::string_view limit_name() const = 0;
 };
 
 /// Moves particles beside their own velocity (shifting), or prescribes their motion.

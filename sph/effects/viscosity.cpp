@@ -94,42 +94,44 @@ Vector<dim> ViscosityEffect<dim, Law>::beyond_surface(
   return sum;
 }
 
-/// What the pairs across a body's surface add to the rate (1/s) at which one particle's velocity
-/// relaxes towards its neighbours', at most. A fluid particle a quarter of a spacing from a face
-/// feels pairs up to five times as strong as elsewhere.
+/// What the pairs across bodies' surfaces add to the fastest decay (1/s), at most: the largest sum
+/// of both particles' rates over these pairs (Anderson & Morley 1985, Linear Multilinear Algebra 18,
+/// for a graph's Laplacian). A fluid particle a quarter of a spacing from a face feels pairs up to
+/// five times as strong as elsewhere.
 template <int dim, class Law>
 double ViscosityEffect<dim, Law>::rate_beyond_surface(const State<dim>& state) const {
   surface_->update(state);
   const auto& particles = state.particles;
   const auto& points = state.images.points();
-  std::vector<double> rate(particles.unknowns, 0.0);
-  const double most_viscous = nu_ * law_.largest_ratio();
-  double most = 0.0;
-  for (std::size_t s = 0; s < particles.solids; ++s) {
-    const auto near = state.support.of(s);
-    for (std::size_t k = 0; k < near.index.size(); ++k) {
-      const auto f = static_cast<std::size_t>(near.index[k]);
-      if (f < particles.solids || f >= particles.unknowns) continue;
-      const double pair = -2.0 * most_viscous * particles.volume * near.gradient_factor[k] *
-                          (surface_->reach(f, points[f] - points[s]) - 1.0);
-      most = std::max({most, rate[s] += pair, rate[f] += pair});
+  rate_.assign(particles.unknowns, 0.0);
+  const double scale = -2.0 * nu_ * law_.largest_ratio() * particles.volume;
+  const auto for_each_pair = [&](const auto& use) {
+    for (std::size_t s = 0; s < particles.solids; ++s) {
+      const auto near = state.support.of(s);
+      for (std::size_t k = 0; k < near.index.size(); ++k) {
+        const auto f = static_cast<std::size_t>(near.index[k]);
+        if (f < particles.solids || f >= particles.unknowns) continue;
+        const double more = surface_->reach(f, points[f] - points[s]) - 1.0;
+        if (more > 0.0) use(s, f, scale * near.gradient_factor[k] * more);
+      }
     }
-  }
+  };
+  for_each_pair([&](std::size_t s, std::size_t f, double pair) {
+    rate_[s] += pair;
+    rate_[f] += pair;
+  });
+  double most = 0.0;
+  for_each_pair([&](std::size_t s, std::size_t f, double) {
+    most = std::max(most, rate_[s] + rate_[f]);
+  });
   return most;
 }
 
-/// Adams-Bashforth holds a mode that decays at the rate r for r dt < 1. On the lattice the viscous
-/// sum of one particle relaxes at 2 nu V sum |F|, 2.8 nu/dx^2 at h = 1.3 dx, so that 0.125 h^2/nu
-/// is 0.58 of that bound; with what bodies add, 0.8 of it is kept.
 template <int dim, class Law>
-double ViscosityEffect<dim, Law>::largest_time_step(const State<dim>& state) const {
-  const double h = state.kernel.smoothing_length();
-  const double most_viscous = nu_ * law_.largest_ratio();
-  const double limit = 0.125 * h * h / most_viscous;
-  if (!surface_) return limit;
-  const double on_lattice =
-      2.0 * most_viscous * lattice_sums(state.kernel, state.particles.spacing).gradient_weight;
-  return std::min(limit, 0.8 / (on_lattice + rate_beyond_surface(state)));
+FastestMode ViscosityEffect<dim, Law>::fastest_mode(const State<dim>& state) const {
+  const auto sums = lattice_sums(state.kernel, state.particles.spacing);
+  const double on_lattice = 2.0 * nu_ * law_.largest_ratio() * sums.fastest_decay;
+  return {on_lattice + (surface_ ? rate_beyond_surface(state) : 0.0), 0.0};
 }
 
 template class ViscosityEffect<2, Newtonian<2>>;

@@ -27,10 +27,9 @@ class ViscosityEffect final : public Acceleration<dim>, public TimeStepLimit<dim
   ViscosityEffect(double kinematic_viscosity, Particles<dim>& particles,
                   std::shared_ptr<SolidSurface<dim>> surface, Law law = {});
   void add_acceleration(const State<dim>& state, std::vector<Vector<dim>>& acceleration) override;
-  /// 0.125 h^2 / nu with the largest viscosity that the law gives (Morris, Fox & Zhu 1997); less
-  /// where fluid stands close to a body's face.
-  double largest_time_step(const State<dim>& state) const override;
-  std::string limit_name() const override { return "viscosity, 0.125 h^2/nu or less at a body"; }
+  /// With the largest viscosity that the law gives: the lattice's fastest mode and what bodies add.
+  FastestMode fastest_mode(const State<dim>& state) const override;
+  std::string_view limit_name() const override { return "viscosity"; }
 
  private:
   Vector<dim> corrected_sum(const State<dim>& state, std::size_t i,
@@ -43,6 +42,7 @@ class ViscosityEffect final : public Acceleration<dim>, public TimeStepLimit<dim
   std::shared_ptr<SolidSurface<dim>> surface_;
   std::vector<Vector<dim>> previous_diffusion_;  ///< D of the step before, zero before the first
   std::vector<Vector<dim>> extended_velocity_;
+  mutable std::vector<double> rate_;  ///< of rate_beyond_surface
 };
 
 }  // namespace sprung::sph

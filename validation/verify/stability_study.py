@@ -6,8 +6,9 @@ it names one body), one varied at a time. A step is stable if the run takes STEP
 Leaves DIR/stability.csv: the automatic step, the measured limit as a bracket, what theory says. What the same program
 has answered already is not run again. --accept keeps the table as validation/hard/records/stability.csv.
 
-Theory (sph/METHOD.md, sph/effects): printed 2 mu/C44; symplectic 0.7071 dx sqrt(rho/k_e); viscous, every integrator,
-1/(2 nu V sum |F|), the bound of Adams-Bashforth; implicit springs have no limit of their own.
+The automatic step is the smallest that a run takes over as many steps. Theory: the step that advances plane waves of
+the undisturbed lattice, below; it knows neither the body's surface nor its size, so it stands for a large body. An
+unstable wave shows only once it has grown, so the theory's limit is where the fastest one grows by GROWTH in the run.
 """
 
 import argparse
@@ -16,14 +17,14 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 from scene import Scene
 from verify import ROOT, WRONG_USE, Runner, facts, keep_file, say, say_point, study_parser, write_whole
 
 from record import Record, quantity  # noqa: I001  (scene.py made the reader known)
 
 STEPS = {"printed": 3000, "symplectic": 600, "recommended": 600}
-# C44 = k_e along the axes for bonds of equal stiffness; lambda = E / k_e = 1.5 in the plane.
-LAMBDA = 1.5
+LAMBDA = 1.5  # E / k_e of equal bonds in the plane
 # The springs of the paper, in the fluid of `recommended`: a fluid that tears by itself would hide their limit.
 EXPLICIT = ["numerics.spring_integration=explicit", "numerics.bonds=equal", "numerics.area_stiffness=0",
             "numerics.surface_correction=false"]
@@ -37,16 +38,49 @@ RATIO = 1.1  # a bracket is done when its ends are this close
 LOWEST, HIGHEST = 1.0 / 8.0, 16.0  # times the automatic step
 
 
-def kernel_rate(ratio: float) -> float:
-    """2 V sum |F| dx^2 of the plane lattice for Wendland's kernel, h = ratio dx, its gradient normalised."""
-    alpha, total, moment = 7.0 / (4.0 * math.pi * ratio**2), 0.0, 0.0
-    for i in range(-4, 5):
-        for j in range(-4, 5):
-            r = math.hypot(i, j)
-            if 0.0 < r < 2.0 * ratio:
-                factor = 5.0 * alpha / ratio**2 * (1.0 - 0.5 * r / ratio) ** 3
-                total, moment = total + factor, moment + factor * i * i
-    return 2.0 * total / moment
+GROWTH = 12.0  # e-folds from the noise of a run to what its guard stops: a strain of 1e-6 to 0.2
+WAVES = 16  # along each axis of a quarter of the Brillouin zone
+
+
+class Lattice:
+    """Plane waves on the square lattice of spacing 1: what viscosity, pressure and equal bonds do to each."""
+
+    BONDS = np.array([(1, 0), (0, 1), (1, 1), (1, -1)], float)
+
+    def __init__(self, ratio: float):
+        places = np.array([(i, j) for i in range(-4, 5) for j in range(-4, 5) if 0 < math.hypot(i, j) < 2 * ratio], float)
+        factor = (1.0 - 0.5 * np.hypot(*places.T) / ratio) ** 3  # Wendland's F; its scale by the normalised gradient
+        factor /= (factor * places[:, 0] ** 2).sum()
+        self.waves = []
+        line = np.linspace(0.0, math.pi, WAVES + 1)
+        for wave in [np.array((x, y)) for x in line for y in line if 0.0 < x and y <= x]:
+            decay = 2.0 * (factor * (1.0 - np.cos(places @ wave))).sum()  # of viscosity, nu / dx^2
+            gradient = (factor * np.sin(places @ wave)) @ places
+            direction = self.BONDS / np.linalg.norm(self.BONDS, axis=1)[:, None]
+            springs = (2.0 * (1.0 - np.cos(self.BONDS @ wave))[:, None] * direction).T @ direction  # k / m
+            # The projection takes out what its Laplacian, the viscous sum, lets it.
+            self.waves.append((decay, springs, np.eye(2) - np.outer(gradient, gradient) / decay))
+
+    def growth(self, step: float, viscous: float, elastic: float, mean: bool) -> float:
+        """Largest growth per step: x' = x + dt u' (or the mean of u and u'), u' = P (u - D - dt K x), D by
+        Adams-Bashforth. `viscous` = nu/dx^2 (1/s), `elastic` = k/m (1/s^2)."""
+        one, none, part = np.eye(2), np.zeros((2, 2)), 0.5 if mean else 1.0
+        largest = 0.0
+        for decay, springs, projection in self.waves:
+            c = decay * viscous * step
+            new = [projection @ m for m in (-elastic * step * springs, (1.0 - 1.5 * c) * one, 0.5 * c * one)]
+            moved = [one + part * step * new[0], step * (part * new[1] + (1.0 - part) * one), part * step * new[2]]
+            matrix = np.block([moved, new, [none, one, none]])
+            largest = max(largest, np.abs(np.linalg.eigvals(matrix)).max())
+        return math.log(largest)
+
+    def limit(self, viscous: float, elastic: float, mean: bool, steps: int) -> float:
+        """Largest step (s) whose fastest wave grows by less than GROWTH in `steps` steps."""
+        low, high = 1e-9, 10.0
+        while high > 1.01 * low:
+            middle = math.sqrt(low * high)
+            low, high = (low, middle) if self.growth(middle, viscous, elastic, mean) > GROWTH / steps else (middle, high)
+        return low
 
 
 class Point:
@@ -73,8 +107,11 @@ class Point:
         return record.finished
 
     def measure(self) -> dict:
-        start = self.run("automatic", ['time.end="1e-9 s"'])
-        scene, automatic = Scene.of_toml(start.manifest["scene_toml"]), start.manifest["numbers"]["time_step"]
+        start = self.run("start", ['time.end="1e-9 s"'])
+        scene, steps = Scene.of_toml(start.manifest["scene_toml"]), STEPS[self.integrator]
+        first = start.manifest["numbers"]["time_step"]
+        times = self.run("automatic", [f'time.end="{steps * first:.9g} s"']).series("force")["time"]
+        automatic = min(first, np.diff(times).min())
         low, high, factor = None, None, 1.25
         # Outwards from 1.25 times the automatic step, which must hold if that is to be 0.8 of the limit.
         if self.stable(factor * automatic):
@@ -98,14 +135,16 @@ class Point:
                 "set_by": start.manifest.get("time_step_limit", ""), "stable": low, "unstable": high,
                 "theory": self.theory(scene)}
 
-    def theory(self, scene: Scene) -> float | None:
-        solid = next(iter(scene.entry("solid").values()))
-        k_e = quantity(solid["youngs_modulus"]) / LAMBDA
-        viscous = scene.spacing**2 / scene.kinematic_viscosity / kernel_rate(scene.number("numerics.smoothing_length_ratio"))
-        springs = {"printed": 2.0 * scene.number("viscosity.dynamic") / k_e,
-                   "symplectic": math.sqrt(0.5) * scene.spacing * math.sqrt(scene.number("fluid.density") / k_e),
-                   "recommended": math.inf}[self.integrator]
-        return min(springs, viscous)
+    def theory(self, scene: Scene) -> float:
+        """Of the undisturbed lattice. Implicit springs set no limit, so `recommended` is held by viscosity alone."""
+        viscous = scene.kinematic_viscosity / scene.spacing**2
+        if self.integrator == "recommended":
+            elastic = 0.0
+        else:
+            solid = next(iter(scene.entry("solid").values()))
+            elastic = quantity(solid["youngs_modulus"]) / LAMBDA / scene.number("fluid.density") / scene.spacing**2
+        lattice = Lattice(scene.number("numerics.smoothing_length_ratio"))
+        return lattice.limit(viscous, elastic, self.integrator == "printed", STEPS[self.integrator])
 
 
 class Study:
