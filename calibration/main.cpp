@@ -4,6 +4,7 @@
 #include "calibration/finite_strain.hpp"
 #include "calibration/lattice_modulus.hpp"
 #include "calibration/published.hpp"
+#include "calibration/surface_layer.hpp"
 #include "scene/command_line.hpp"
 #include "scene/progress.hpp"
 
@@ -130,8 +131,10 @@ int poisson(const Arguments& a) {
     double area_stiffness, smoothing_length_ratio;
     int layers;
   };
-  const Case cases[] = {{sph::Bonds::equal, 0.0, 1.0, 16},
-                        {sph::Bonds::equal, 0.0, 1.3, 16},
+  // The core of 24 layers begins 6 below a face, where little is left of the face's pressure
+  // layer (surface_layer.csv).
+  const Case cases[] = {{sph::Bonds::equal, 0.0, 1.0, 24},
+                        {sph::Bonds::equal, 0.0, 1.3, 24},
                         {sph::Bonds::isotropic, 300.0, 0.0, 8}};
   Sheet sheet{
       "k_e_pa,stress_pa,dimension,bonds,area_stiffness,smoothing_length_ratio,layers,axial_strain,"
@@ -170,6 +173,52 @@ int poisson(const Arguments& a) {
            "equation with density feedback at h = smoothing_length_ratio x dx; derived: the "
            "uniformly stretched lattice whose kernel sum is that at rest. With: network with "
            "surface correction; derived: (1 + kappa)/(2 (2 + kappa)), small strain.",
+           wall_seconds() - began,
+           {}});
+  return 0;
+}
+
+/// How deep below a free face the pressure equation does not keep the volume, and what that makes
+/// of Poisson's ratio of cores that begin at several depths.
+int surface_layer(const Arguments& a) {
+  const Material material{3, sph::Bonds::equal, 0.0};
+  Sheet sheet{
+      "dimension,bonds,area_stiffness,smoothing_length_ratio,layers,axial_strain,courant,"
+      "decay_derived,period_derived,layers_below_face,density_error_over_strain,poisson_ratio",
+      {}};
+  const double began = wall_seconds();
+  const std::array sizes{10, 12, 16, 20, 28};
+  double whole = 0.0, done = 0.0;
+  const auto cost = [](int n, double ratio) { return std::pow(n, 4) * std::pow(ratio, 3); };
+  for (const double ratio : {1.0, 1.3})
+    for (const int n : sizes) whole += cost(n, ratio);
+  Progress progress("surface layer", whole);
+  for (const double ratio : {1.0, 1.3})
+    for (const int n : sizes) {
+      Pull pull;
+      pull.layers = n;
+      pull.load = 1e-2;
+      pull.smoothing_length_ratio = ratio;
+      const SurfaceLayer layer = measure_surface_layer<3>(material, pull);
+      const auto decay = surface_layer_decay(material, ratio, layer.courant, pull.density_feedback);
+      for (std::size_t m = 0; m < layer.poisson_ratio.size(); ++m)
+        sheet.rows.push_back(fmt::format("{},{:g},{},{:.6g},{:.4f},{:.4f},{:.3f},{},{:.5f},{:.5f}",
+                                         key_of(material), ratio, n, layer.block.mean_axial,
+                                         layer.courant, std::abs(decay),
+                                         2.0 * std::numbers::pi / std::arg(decay), m,
+                                         layer.density_error[m], layer.poisson_ratio[m]));
+      progress.advance(done += cost(n, ratio), fmt::format("{} layers", n));
+    }
+  publish(std::filesystem::path(a.out) / "surface_layer.csv", sheet,
+          {a.command,
+           "Cubes of n layers pulled by the particle solver in vacuum to a strain of 0.35 %, their "
+           "volume kept by the pressure equation with density feedback at h = "
+           "smoothing_length_ratio x dx. density_error_over_strain: kernel sum over that at rest "
+           "less 1, over the axial strain of the core n/4 layers below the faces, of the particle "
+           "so many layers below the middle of a lateral face. poisson_ratio: of the core that "
+           "begins so many layers below every face, mean over its cells. Derived for a plane face: "
+           "the error's factor from a layer to the next and the layers of its period, from the "
+           "difference between the divergence of the gradient and the Laplacian.",
            wall_seconds() - began,
            {}});
   return 0;
@@ -387,7 +436,7 @@ constexpr const char* hold_definition =
     "Blocks of n layers along each axis pulled by the particle solver in vacuum (load: force on a "
     "particle of an end layer over k_e dx^(dimension-1)), brought to rest by damping and then "
     "held; k_e/density = 10 m2/s2. Without volume springs the pressure equation with density "
-    "feedback keeps the volume (h = 1.3 dx, in space dx), springs explicit; with them springs "
+    "feedback keeps the volume, springs explicit; with them springs "
     "implicit, no feedback, bonds corrected at the surface. Poisson's ratio of the core (mean over "
     "its cells), -ln(lateral stretch)/ln(stretch), in the plane r/(1+r) of that. Volume: of the "
     "lattice cells.";
@@ -397,29 +446,39 @@ constexpr const char* hold_definition =
 int hold(const Arguments& a) {
   const auto file = std::filesystem::path(a.out) / "hold.csv";
   const std::string header =
-      "dimension,bonds,area_stiffness,load,layers,seconds,strain_before,strain_after,"
-      "poisson_before,poisson_after,volume_drift_per_second";
+      "dimension,bonds,area_stiffness,smoothing_length_ratio,load,layers,seconds,strain_before,"
+      "strain_after,poisson_before,poisson_after,volume_drift_per_second";
   Sheet sheet = read_sheet(file);
   if (sheet.header != header) sheet = {header, {}};
-  const Material materials[] = {{2, sph::Bonds::equal, 0.0},
-                                {2, sph::Bonds::isotropic, 300.0},
-                                {3, sph::Bonds::equal, 0.0},
-                                {3, sph::Bonds::isotropic, 300.0}};
-  Progress progress("hold", 8.0);
+  struct Case {
+    Material material;
+    double smoothing_length_ratio;
+    int layers;
+  };
+  // Cores of 20 layers begin 5 below a face, beyond the face's pressure layer; volume springs have
+  // none.
+  const Case cases[] = {{{2, sph::Bonds::equal, 0.0}, 1.3, 20},
+                        {{2, sph::Bonds::isotropic, 300.0}, 1.3, 20},
+                        {{3, sph::Bonds::equal, 0.0}, 1.0, 20},
+                        {{3, sph::Bonds::equal, 0.0}, 1.3, 20},
+                        {{3, sph::Bonds::isotropic, 300.0}, 1.0, 6}};
+  Progress progress("hold", 2.0 * std::size(cases));
   double done = 0.0;
-  for (const Material& material : materials)
+  for (const Case& c : cases)
     for (const double load : {1e-2, 1e-1}) {
-      const std::string key = fmt::format("{},{:g}", key_of(material), load);
+      const std::string key =
+          fmt::format("{},{:g},{:g}", key_of(c.material), c.smoothing_length_ratio, load);
       const double began = wall_seconds();
-      Pull pull;
-      pull.surface_correction = material.area_stiffness > 0.0;
-      pull.smoothing_length_ratio = material.dimension == 3 ? 1.0 : 1.3;
-      pull.layers = material.dimension == 2 ? 20 : pull.surface_correction ? 6 : 10;
-      pull.load = load;
-      pull.tolerance = 1e-5;
       if (!a.resume || !row_is_current(file, key)) {
-        const HeldBlock held = material.dimension == 3 ? hold_block<3>(material, pull, a.seconds)
-                                                       : hold_block<2>(material, pull, a.seconds);
+        Pull pull;
+        pull.surface_correction = c.material.area_stiffness > 0.0;
+        pull.smoothing_length_ratio = c.smoothing_length_ratio;
+        pull.layers = c.layers;
+        pull.load = load;
+        pull.tolerance = 1e-5;
+        const HeldBlock held = c.material.dimension == 3
+                                   ? hold_block<3>(c.material, pull, a.seconds)
+                                   : hold_block<2>(c.material, pull, a.seconds);
         replace_row(
             sheet, key,
             fmt::format("{},{},{:g},{:.6f},{:.6f},{:.5f},{:.5f},{:.3e}", key, pull.layers,
@@ -445,6 +504,7 @@ int main(int argc, char** argv) {
       "  sprung-calibrate --area-stiffness 50      measure and add one row\n"
       "  sprung-calibrate sweep                    the paper's cube, ten spring stiffnesses\n"
       "  sprung-calibrate poisson                  Poisson's ratio through the sweep's strains\n"
+      "  sprung-calibrate surface-layer            how deep a free face spoils Poisson's ratio\n"
       "  sprung-calibrate directions               lambda against the direction of the load\n"
       "  sprung-calibrate bending                  plates of 2 to 32 layers (some minutes)\n"
       "  sprung-calibrate stress-strain            stretches to 30 %, shear (minutes)\n"
@@ -473,6 +533,7 @@ int main(int argc, char** argv) {
       *app.add_subcommand("sweep", "the paper's cube under +-0.01 MPa, k_e 0.05 to 3.1 MPa");
   cube.add_option("--layers", a.layers, "particles along an edge")->check(CLI::Range(8, 60));
   app.add_subcommand("poisson", "Poisson's ratio of the cube through the sweep's strains");
+  app.add_subcommand("surface-layer", "volume and Poisson's ratio layer by layer below a face");
   app.add_subcommand("directions", "lambda against the direction of the load");
   app.add_subcommand("stress-strain", "springs against the neo-Hookean solid to 30 % and shear");
   CLI::App& held = *app.add_subcommand("hold", "Poisson's ratio and volume of blocks under load");
@@ -483,6 +544,7 @@ int main(int argc, char** argv) {
     omp_set_num_threads(a.threads);
     if (app.got_subcommand("sweep")) return sweep(a);
     if (app.got_subcommand("poisson")) return poisson(a);
+    if (app.got_subcommand("surface-layer")) return surface_layer(a);
     if (app.got_subcommand("directions")) return directions(a);
     if (app.got_subcommand("bending")) return bending(a);
     if (app.got_subcommand("stress-strain")) return stress_strain(a);

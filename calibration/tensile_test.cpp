@@ -1,6 +1,7 @@
 #include "calibration/tensile_test.hpp"
 
 #include "calibration/equilibrium.hpp"
+#include "calibration/surface_layer.hpp"
 #include "sph/simulation.hpp"
 #include "sph/time_step.hpp"
 
@@ -124,6 +125,16 @@ double mean_strain(const std::vector<Vector<dim>>& rest, const std::vector<Vecto
   return difference / weights / ((last - margin) * side / layers);
 }
 
+/// Poisson's ratio of the core that begins `margin` layers from every face: mean over its cells.
+template <int dim>
+double core_poisson_ratio(const std::vector<Vector<dim>>& rest, const std::vector<Vector<dim>>& now,
+                          int layers, int margin) {
+  double lateral = 0.0;
+  for (int axis = 1; axis < dim; ++axis)
+    lateral += mean_strain<dim>(rest, now, layers, margin, axis) / (dim - 1);
+  return poisson_ratio(dim, mean_strain<dim>(rest, now, layers, margin, 0), lateral);
+}
+
 template <int dim>
 PulledBlock measure(const std::vector<Vector<dim>>& rest, const std::vector<Vector<dim>>& now,
                     int layers) {
@@ -187,6 +198,7 @@ class LoadedBlock {
     effects.body_forces.push_back(std::make_unique<DampedLoad<dim>>(std::move(load), damping_));
     simulation_->stand_in_vacuum();
     simulation_->start(wave_speed, implicit ? 0.7 * spacing / wave_speed : 0.0);
+    partition_ = simulation_->state().support.partition();
   }
 
   /// Steps until the strain changes by less than the tolerance over a decay time.
@@ -223,6 +235,25 @@ class LoadedBlock {
   PulledBlock measured() const {
     return measure<dim>(rest_, simulation_->state().particles.position, pull_.layers);
   }
+  SurfaceLayer layer_by_layer(const PulledBlock& block) const {
+    const auto& position = simulation_->state().particles.position;
+    const int n = pull_.layers;
+    SurfaceLayer result;
+    result.block = block;
+    result.courant = simulation_->chosen_time_step().value * simulation_->velocity_scale() * n / side;
+    // Index of the particle `m` layers below the face y = 0, in the middle of the other axes.
+    const auto below = [&](int m) {
+      const int middle = n / 2;
+      return static_cast<std::size_t>(dim == 3 ? middle + n * (m + n * middle) : middle + n * m);
+    };
+    for (int m = 0; m < n / 2; ++m) {
+      const double now = simulation_->state().support.partition()[below(m)];
+      result.density_error.push_back((now / partition_[below(m)] - 1.0) / block.mean_axial);
+      if (2 * m < n - 2)
+        result.poisson_ratio.push_back(core_poisson_ratio<dim>(rest_, position, n, m));
+    }
+    return result;
+  }
   double volume() const {
     const auto& position = simulation_->state().particles.position;
     double volume = 0.0;
@@ -242,7 +273,7 @@ class LoadedBlock {
     numerics.position_update = sph::PositionUpdate::new_velocity;
     // A wrong volume is corrected at the rate c/(2 dx), within a few steps; volume springs do so
     // themselves.
-    numerics.density_feedback = material.area_stiffness > 0.0 ? 0.0 : 0.5;
+    numerics.density_feedback = material.area_stiffness > 0.0 ? 0.0 : pull.density_feedback;
     numerics.pressure_tolerance = 1e-8;
     numerics.pressure_solver = sph::PressureSolverKind::two_level;
     numerics.bonds = material.bonds;
@@ -253,6 +284,7 @@ class LoadedBlock {
 
   Pull pull_;
   std::vector<Vector<dim>> rest_;
+  std::vector<double> partition_;  ///< kernel sums at rest
   double mass_ = 0.0, damping_ = 0.0;
   sph::ElasticSolid<dim>* springs_ = nullptr;
   std::unique_ptr<sph::Simulation<dim>> simulation_;
@@ -295,6 +327,12 @@ double kernel_sum_poisson_ratio(double smoothing_length_ratio, double axial) {
 template <int dim>
 PulledBlock pull_by_particle_solver(const Material& material, const Pull& pull) {
   return LoadedBlock<dim>(material, pull, density).come_to_rest();
+}
+
+template <int dim>
+SurfaceLayer measure_surface_layer(const Material& material, const Pull& pull) {
+  LoadedBlock<dim> loaded(material, pull, density);
+  return loaded.layer_by_layer(loaded.come_to_rest());
 }
 
 template <int dim>
@@ -363,6 +401,8 @@ template double kernel_sum_poisson_ratio<2>(double, double);
 template double kernel_sum_poisson_ratio<3>(double, double);
 template PulledBlock pull_by_particle_solver<2>(const Material&, const Pull&);
 template PulledBlock pull_by_particle_solver<3>(const Material&, const Pull&);
+template SurfaceLayer measure_surface_layer<2>(const Material&, const Pull&);
+template SurfaceLayer measure_surface_layer<3>(const Material&, const Pull&);
 template HeldBlock hold_block<2>(const Material&, const Pull&, double);
 template HeldBlock hold_block<3>(const Material&, const Pull&, double);
 template std::vector<double> pull_bar<2>(const Material&, int, const std::vector<double>&);

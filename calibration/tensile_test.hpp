@@ -15,6 +15,7 @@ struct Pull {
   double load = 0.0;        ///< force on a particle of an end layer / (k_e dx^(dim-1)), + pulls
   double tolerance = 1e-6;  ///< change of strain over a decay time of the slowest mode / strain
   double smoothing_length_ratio = 1.3;  ///< h/dx of the pressure equation
+  double density_feedback = 0.5;        ///< of the pressure equation, over wave speed / dx
   bool surface_correction = false;      ///< bonds weighted at the surface
   int load_steps = 1;                   ///< of pull_network: the load raised in so many equal parts
 };
