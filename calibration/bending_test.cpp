@@ -185,13 +185,10 @@ double frequency_ratio(const Plate& plate) {
     for (const auto& u : mode) largest = std::max(largest, u.norm());
     std::vector<Vector<2>> load(mode.size());
     for (std::size_t i = 0; i < mode.size(); ++i)
-      load[i] = 1e-5 * spring_stiffness * spacing / rows * mode[i] / largest;
-    sph::Particles<2> particles = laid.particles;
-    // A slender plate is soft: rounding in its stiff bonds is a larger part of so small a load.
-    find_equilibrium<2>(laid.network, particles, load, 1e-7);
+      load[i] = spring_stiffness * spacing * mode[i] / largest;
+    mode = linear_response<2>(laid.network, laid.particles, load);
     double work = 0.0, inertia = 0.0;
     for (std::size_t i = 0; i < mode.size(); ++i) {
-      mode[i] = particles.position[i] - rest[i];
       work += mode[i].dot(load[i]);
       inertia += mass * mode[i].squaredNorm();
     }

@@ -7,32 +7,67 @@
 
 namespace sprung::calibration {
 
+namespace {
+
+/// Steps of Newton's method towards rest under dead forces.
+template <int dim>
+class StaticSystem {
+ public:
+  StaticSystem(const sph::ElasticNetwork<dim>& network, const sph::Particles<dim>& particles)
+      : mass_(particles.mass()),
+        time_step_((network.reference.size() > network.movable ? 1e7 : 3e4) /
+                   sph::highest_frequency(network, mass_)),
+        state_{particles,
+               sph::Images<dim>({}),
+               {},
+               sph::Kernel<dim>(particles.spacing),
+               {0.0, time_step_, 0.0, 0}},
+        solid_(network, particles, sph::SpringIntegration::implicit_force),
+        at_rest_(network.movable, sph::Vector<dim>::Zero()),
+        acceleration_(network.movable) {}
+
+  std::vector<sph::Vector<dim>>& position() { return state_.particles.position; }
+
+  /// Displacement (K + m/(g dt^2))^-1 (F + load), K the tangent at the present positions. Inertia
+  /// is what is left beside K: next to none for a clamped body, for a free one enough to hold it.
+  std::vector<sph::Vector<dim>> step(const std::vector<sph::Vector<dim>>& load) {
+    const std::size_t n = at_rest_.size();
+    auto& velocity = state_.particles.velocity;
+    std::fill(acceleration_.begin(), acceleration_.end(), sph::Vector<dim>::Zero());
+    std::fill(velocity.begin(), velocity.end(), sph::Vector<dim>::Zero());
+    solid_.add_acceleration(state_, acceleration_);
+    for (std::size_t i = 0; i < n; ++i)
+      velocity[i] = time_step_ * (acceleration_[i] + load[i] / mass_);
+    solid_.constrain(state_, at_rest_);
+    // velocity = dt (M + g dt^2 K)^-1 (F + f), so dx = g dt velocity with the solver's g = 1/2.
+    std::vector<sph::Vector<dim>> displacement(n);
+    for (std::size_t i = 0; i < n; ++i) displacement[i] = 0.5 * time_step_ * velocity[i];
+    return displacement;
+  }
+
+ private:
+  double mass_, time_step_;
+  sph::State<dim> state_;
+  sph::ElasticSolid<dim> solid_;
+  std::vector<sph::Vector<dim>> at_rest_, acceleration_;
+};
+
+}  // namespace
+
 template <int dim>
 double find_equilibrium(sph::ElasticNetwork<dim> network, sph::Particles<dim>& particles,
                         const std::vector<sph::Vector<dim>>& load, double tolerance,
                         const std::function<void(std::vector<sph::Vector<dim>>&)>& keep) {
-  using sph::Vector;
   const std::size_t n = network.movable;
-  const double mass = particles.mass();
-  // Inertia is what is left beside the tangent stiffness: next to none for a clamped body, for a
-  // free one enough to hold it in place.
-  const bool clamped = network.reference.size() > n;
-  const double time_step = (clamped ? 1e7 : 3e4) / sph::highest_frequency(network, mass);
-  sph::State<dim> state{particles,
-                        sph::Images<dim>({}),
-                        {},
-                        sph::Kernel<dim>(particles.spacing),
-                        {0.0, time_step, 0.0, 0}};
-  sph::ElasticSolid<dim> solid(network, particles, sph::SpringIntegration::implicit_force);
+  StaticSystem<dim> system(network, particles);
   double largest_load = 0.0;
   for (const auto& f : load) largest_load = std::max(largest_load, f.norm());
-  const std::vector<Vector<dim>> at_rest(n, Vector<dim>::Zero());
-  std::vector<Vector<dim>> force, acceleration(n);
+  std::vector<sph::Vector<dim>> force;
   double unbalanced = 0.0, before = 0.0;
   // Where bonds push, their part of the tangent is left out and convergence is linear.
   constexpr int most = 300;
   for (int iteration = 0; iteration < most; ++iteration) {
-    sph::elastic_forces<dim>(network, {state.particles.position.data(), n}, force);
+    sph::elastic_forces<dim>(network, {system.position().data(), n}, force);
     before = unbalanced;
     unbalanced = 0.0;
     for (std::size_t i = 0; i < n; ++i)
@@ -41,20 +76,12 @@ double find_equilibrium(sph::ElasticNetwork<dim> network, sph::Particles<dim>& p
     // is that.
     const bool rounding = iteration > 2 && unbalanced < 1e3 * tolerance && unbalanced >= before;
     if (unbalanced < tolerance || rounding) {
-      particles.position = state.particles.position;
+      particles.position = system.position();
       return unbalanced;
     }
-    std::fill(acceleration.begin(), acceleration.end(), Vector<dim>::Zero());
-    std::fill(state.particles.velocity.begin(), state.particles.velocity.end(),
-              Vector<dim>::Zero());
-    solid.add_acceleration(state, acceleration);
-    for (std::size_t i = 0; i < n; ++i)
-      state.particles.velocity[i] = time_step * (acceleration[i] + load[i] / mass);
-    solid.constrain(state, at_rest);
-    // velocity = dt (M + g dt^2 K)^-1 (F + f), so dx = g dt velocity with the solver's g = 1/2.
-    for (std::size_t i = 0; i < n; ++i)
-      state.particles.position[i] += 0.5 * time_step * state.particles.velocity[i];
-    if (keep) keep(state.particles.position);
+    const auto displacement = system.step(load);
+    for (std::size_t i = 0; i < n; ++i) system.position()[i] += displacement[i];
+    if (keep) keep(system.position());
   }
   throw std::runtime_error(fmt::format(
       "no static equilibrium: unbalanced force {:.3g} of the load after {} Newton steps; "
@@ -62,6 +89,16 @@ double find_equilibrium(sph::ElasticNetwork<dim> network, sph::Particles<dim>& p
       unbalanced, most));
 }
 
+template <int dim>
+std::vector<sph::Vector<dim>> linear_response(const sph::ElasticNetwork<dim>& network,
+                                              const sph::Particles<dim>& particles,
+                                              const std::vector<sph::Vector<dim>>& load) {
+  return StaticSystem<dim>(network, particles).step(load);
+}
+
+template std::vector<sph::Vector<2>> linear_response<2>(const sph::ElasticNetwork<2>&,
+                                                        const sph::Particles<2>&,
+                                                        const std::vector<sph::Vector<2>>&);
 template double find_equilibrium<2>(sph::ElasticNetwork<2>, sph::Particles<2>&,
                                     const std::vector<sph::Vector<2>>&, double,
                                     const std::function<void(std::vector<sph::Vector<2>>&)>&);

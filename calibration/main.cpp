@@ -282,8 +282,7 @@ std::string plate_row(const PlateCase& c, int layers) {
   plate.width = c.material.dimension == 3 ? layers + 1 : 1;
   const bool straight = c.bend == 0.0;
   const std::string stretching = straight ? fmt::format("{:.5f}", stretching_ratio(plate)) : "";
-  // Beyond 16 layers the load that bends so long a plate but little is lost in rounding.
-  const std::string frequency = straight && c.material.dimension == 2 && layers <= 16
+  const std::string frequency = straight && c.material.dimension == 2
                                     ? fmt::format("{:.5f}", frequency_ratio(plate))
                                     : "";
   return fmt::format("{},{},{},{:g},{:g},{},{},{:.5f},{},{:.5f}", key_of(c.material),
