@@ -282,9 +282,8 @@ std::string plate_row(const PlateCase& c, int layers) {
   plate.width = c.material.dimension == 3 ? layers + 1 : 1;
   const bool straight = c.bend == 0.0;
   const std::string stretching = straight ? fmt::format("{:.5f}", stretching_ratio(plate)) : "";
-  const std::string frequency = straight && c.material.dimension == 2
-                                    ? fmt::format("{:.5f}", frequency_ratio(plate))
-                                    : "";
+  const std::string frequency =
+      straight && c.material.dimension == 2 ? fmt::format("{:.5f}", frequency_ratio(plate)) : "";
   return fmt::format("{},{},{},{:g},{:g},{},{},{:.5f},{},{:.5f}", key_of(c.material),
                      c.corrected ? "yes" : "no", plate.width, c.angle_degrees, c.bend, layers,
                      stretching, bending_ratio(plate), frequency, derived_bending(c, plate));

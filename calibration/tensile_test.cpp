@@ -240,7 +240,8 @@ class LoadedBlock {
     const int n = pull_.layers;
     SurfaceLayer result;
     result.block = block;
-    result.courant = simulation_->chosen_time_step().value * simulation_->velocity_scale() * n / side;
+    result.courant =
+        simulation_->chosen_time_step().value * simulation_->velocity_scale() * n / side;
     // Index of the particle `m` layers below the face y = 0, in the middle of the other axes.
     const auto below = [&](int m) {
       const int middle = n / 2;

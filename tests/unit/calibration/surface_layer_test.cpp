@@ -21,8 +21,8 @@ TEST(SurfaceLayer, DecaysAsTheQuadraticEquationSaysWhereOnlyNeighboursMeet) {
   const auto w = [&](double r) { return std::pow(part(r), 4) * (1.0 + 2.0 * r); };
   const auto f = [&](double r) { return 5.0 * std::pow(part(r), 3); };
   const double d2 = std::numbers::sqrt2, d3 = std::numbers::sqrt3;
-  const double sigma = (2.0 * f(1) + 8.0 * f(d2) + 8.0 * f(d3)) /
-                       (1.0 + 6.0 * w(1) + 12.0 * w(d2) + 8.0 * w(d3));
+  const double sigma =
+      (2.0 * f(1) + 8.0 * f(d2) + 8.0 * f(d3)) / (1.0 + 6.0 * w(1) + 12.0 * w(d2) + 8.0 * w(d3));
   const double courant = 0.387, feedback = 0.5;
   const double t = 2.0 * courant / feedback * 13.0 / 3.0 / sigma;
   const std::complex<double> x =
@@ -52,7 +52,7 @@ TEST(SurfaceLayer, OfABlockFollowsTheDerivedDecay) {
     for (std::size_t m = first; m + 2 < 9; ++m)
       EXPECT_NEAR(error[m + 2], 2.0 * z.real() * error[m + 1] - std::norm(z) * error[m], 4e-4)
           << ratio << " " << m;
-    EXPECT_GT(layer.poisson_ratio[1], 0.515);             // within the layer
+    EXPECT_GT(layer.poisson_ratio[1], 0.515);        // within the layer
     EXPECT_NEAR(layer.poisson_ratio[5], 0.5, 5e-3);  // beyond it
   }
 }
