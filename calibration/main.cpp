@@ -7,6 +7,7 @@
 #include "calibration/surface_layer.hpp"
 #include "scene/command_line.hpp"
 #include "scene/progress.hpp"
+#include "sph/scene_setup.hpp"
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -28,6 +29,8 @@ struct Arguments {
   int threads = 1;
   int layers = 20;
   double seconds = 10.0;
+  double stress = 1e-4;   ///< nominal, over Young's modulus
+  bool pressure = false;  ///< the cube's volume kept by the pressure equation, not by springs
   std::string command;
 };
 
@@ -118,6 +121,35 @@ int sweep(const Arguments& a) {
            "particles of "
            "two end layers, bonds equal, particle solver in vacuum. lambda by three gauges, stress "
            "on (n dx)^2.",
+           wall_seconds() - began,
+           {}});
+  return 0;
+}
+
+/// One cube of the corrected isotropic lattice under a nominal stress, k_e from the published
+/// table: what a user's body of that many layers does, for a comparison of its error and its cost.
+/// The strain that counts is that of the middle half: the load sits on the particles of two layers,
+/// and near them it is no uniform traction.
+int cube(const Arguments& a) {
+  const Material material{3, sph::Bonds::isotropic, a.pressure ? 0.0 : 300.0};
+  const sph::ModulusTable table(SPRUNG_CALIBRATION_FOLDER "/modulus_per_stiffness.csv");
+  Pull pull;
+  pull.layers = a.layers;
+  pull.surface_correction = true;
+  pull.load = a.stress * table.modulus_per_stiffness(3, material.bonds, material.area_stiffness);
+  const double began = wall_seconds();
+  const PulledBlock block =
+      a.pressure ? pull_by_particle_solver<3>(material, pull) : pull_network<3>(material, pull);
+  publish(std::filesystem::path(a.out) / "cube.csv",
+          {"dimension,bonds,area_stiffness,layers,stress_over_modulus,strain_middle_half,"
+           "strain_ends,steps",
+           {fmt::format("{},{},{:.17g},{:.17g},{:.17g},{}", key_of(material), a.layers, a.stress,
+                        block.strain_inner, block.strain_ends, block.steps)}},
+          {a.command,
+           "Cube of n layers, isotropic bonds with surface correction, under a dead force on the "
+           "particles of two end layers, k_e by modulus_per_stiffness.csv. Strain between the "
+           "layers n/4 from either end, and between the end layers. area_stiffness 0: the particle "
+           "solver in vacuum, volume kept by the pressure equation; else the network at rest.",
            wall_seconds() - began,
            {}});
   return 0;
@@ -501,6 +533,7 @@ int main(int argc, char** argv) {
       "  sprung-calibrate --resume                 only rows this very program has not measured\n"
       "  sprung-calibrate --area-stiffness 50      measure and add one row\n"
       "  sprung-calibrate sweep                    the paper's cube, ten spring stiffnesses\n"
+      "  sprung-calibrate cube --layers 8 --out results/cube   one cube, its strain\n"
       "  sprung-calibrate poisson                  Poisson's ratio through the sweep's strains\n"
       "  sprung-calibrate surface-layer            how deep a free face spoils Poisson's ratio\n"
       "  sprung-calibrate directions               lambda against the direction of the load\n"
@@ -527,9 +560,14 @@ int main(int argc, char** argv) {
   app.add_flag("--resume", a.resume, "keep rows that this very program has measured already");
   app.add_option("--threads", a.threads, "threads; the bits do not depend on it")
       ->check(CLI::Range(1, 256));
-  CLI::App& cube =
+  CLI::App& swept =
       *app.add_subcommand("sweep", "the paper's cube under +-0.01 MPa, k_e 0.05 to 3.1 MPa");
-  cube.add_option("--layers", a.layers, "particles along an edge")->check(CLI::Range(8, 60));
+  swept.add_option("--layers", a.layers, "particles along an edge")->check(CLI::Range(8, 60));
+  CLI::App& pulled = *app.add_subcommand("cube", "one corrected cube, for its error and its cost");
+  pulled.add_option("--layers", a.layers, "particles along an edge")->check(CLI::Range(4, 60));
+  pulled.add_option("--stress", a.stress, "nominal, over Young's modulus")
+      ->check(CLI::Range(-0.1, 0.1));
+  pulled.add_flag("--pressure", a.pressure, "volume by the pressure equation, not by springs");
   app.add_subcommand("poisson", "Poisson's ratio of the cube through the sweep's strains");
   app.add_subcommand("surface-layer", "volume and Poisson's ratio layer by layer below a face");
   app.add_subcommand("directions", "lambda against the direction of the load");
@@ -541,6 +579,7 @@ int main(int argc, char** argv) {
   return run_program(app, argc, argv, [&] {
     omp_set_num_threads(a.threads);
     if (app.got_subcommand("sweep")) return sweep(a);
+    if (app.got_subcommand("cube")) return cube(a);
     if (app.got_subcommand("poisson")) return poisson(a);
     if (app.got_subcommand("surface-layer")) return surface_layer(a);
     if (app.got_subcommand("directions")) return directions(a);

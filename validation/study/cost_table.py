@@ -37,6 +37,9 @@ class NoTable(Exception):
 def truth_of(plan: plans.Plan, folder: Path) -> tuple[dict, dict]:
     """(true numbers by quantity, the truth's own error by quantity, as an error of that quantity)."""
     samples = plan.quantities
+    if plan.block:
+        strain = quantities.strain_under_pull(float(plan.truth["exact"]))
+        return {q: np.array([[strain]]) for q in samples}, dict.fromkeys(samples, 0.0)
     if "exact" in plan.truth:
         name = plan.truth["exact"]
         return ({q: quantities.true_energy(name, plan.scene("particles"), one) for q, one in samples.items()},
@@ -87,13 +90,28 @@ def row_of(point: plans.Point, runs: list, plan: plans.Plan, true: dict) -> dict
     return row
 
 
+def own_error(plan: plans.Plan, runs: list, limit: list) -> str:
+    """Largest distance of a point from its curve's limit, as an error of each quantity; "" where it has none."""
+    if not limit or set(limit[0]["numbers"]) != set(plan.quantities) or set(runs[0]["numbers"]) != set(plan.quantities):
+        return ""
+    own = max(quantities.error(one, np.array(runs[0]["numbers"][q]), np.array(limit[0]["numbers"][q]))
+              for q, one in plan.quantities.items())
+    return f"{own:.6g}" if own > 0.0 else ""
+
+
 def rows_of(plan: plans.Plan, out: Path, true: dict) -> tuple[list, list]:
     rows, made = [], []
+
+    def runs_of(name: str, repeats: int) -> list:
+        files = [out / "points" / f"{name}.r{k}.json" for k in range(1, repeats + 1)]
+        return [json.loads(file.read_text()) for file in files if file.exists()]
+
     for point in plan.points:
-        files = [out / "points" / f"{point.name}.r{k}.json" for k in range(1, point.repeats + 1)]
-        runs = [json.loads(file.read_text()) for file in files if file.exists()]
+        runs, limit = runs_of(point.name, point.repeats), plan.table["curve"][point.curve].get("limit")
         if runs:
             rows.append(row_of(point, runs, plan, true))
+            if limit is not None:
+                rows[-1]["error_own"] = own_error(plan, runs, runs_of(f"{point.curve}.{limit}", 1))
         else:  # a study under way, or kept before its end: the table says what it lacks
             rows.append({"curve": point.curve, "point": point.number, "solver": point.solver,
                          "setting": " ".join(point.overrides), "repeats": 0, "outcome": "not run", "error": ""})
@@ -103,7 +121,8 @@ def rows_of(plan: plans.Plan, out: Path, true: dict) -> tuple[list, list]:
     return rows, made
 
 
-def manifest(plan: plans.Plan, made: list, true: dict, floor: dict, reason: str) -> dict:
+def manifest(plan: plans.Plan, made: list, spans: dict, truth: tuple, reason: str) -> dict:
+    true, floor = truth
     whole = [run for run in made if "processor_seconds" in run]
 
     def one(key):
@@ -120,13 +139,15 @@ def manifest(plan: plans.Plan, made: list, true: dict, floor: dict, reason: str)
             if loads else None,
             "truth": plan.truth, "truth_error": floor, "channel_m": channel_of(plan),
             "true": {q: values.tolist() for q, values in true.items()}, "quantities": plan.quantities,
-            "curves": {name: curve["says"] for name, curve in plan.table["curve"].items()},
+            "curves": {name: curve["says"] for name, curve in plan.table["curve"].items()}, "spans": spans,
             "scaling": {curve: one for curve in plan.table["curve"] if (one := scaling(curve, made))},
             "phases": {run["name"]: run["phases"] for run in whole if run["repeat"] == 1}}
 
 
 def channel_of(plan: plans.Plan) -> list:
-    """Lengths of the channel's sides: a spacing has to divide them."""
+    """Lengths of the channel's sides: a spacing has to divide them. None of a block."""
+    if plan.block:
+        return []
     box = tomllib.loads(plan.scene("particles").read_text())["domain"]["channel"]
     return [round(quantities.quantity(to) - quantities.quantity(begin), 12) for begin, to in zip(box["from"], box["to"])]
 
@@ -209,6 +230,34 @@ def front(rows: list, solver: str) -> list:
     return best
 
 
+def spans_of(plan: plans.Plan, rows: list) -> dict:
+    """Of every curve: how many points have an error, over what factor, the least, and, if that is less than five over a
+    decade, why; the same of the distance from the curve's own limit."""
+    found = {}
+    for name, curve in plan.table["curve"].items():
+        own = [row for row in rows if row["curve"] == name]
+        one = {}
+        for key in ("error", "error_own"):
+            values = [float(row[key]) for row in own if row.get(key)]
+            if values:
+                one[key] = {"points": len(values), "least": min(values), "factor": max(values) / min(values)}
+        whole = any(part["points"] >= 5 and part["factor"] >= 10.0 for part in one.values())
+        found[name] = one | {"five_over_a_decade": whole}
+        if "floor" in curve:
+            found[name]["floor"] = curve["floor"]
+    return found
+
+
+def spans_text(spans: dict) -> str:
+    lines = []
+    for name, one in spans.items():
+        parts = [f"{one[key]['points']} points over a factor {one[key]['factor']:.3g}, the least {100.0 * one[key]['least']:.3g} %{of}"
+                 for key, of in (("error", ""), ("error_own", " from the curve's own limit")) if key in one]
+        why = "" if one["five_over_a_decade"] else f"; no decade: {one.get('floor', 'no reason is given')}"
+        lines.append(f"  {name}: {'; '.join(parts) or 'no point has an error'}{why}")
+    return "\n".join(lines)
+
+
 def summary(plan: plans.Plan, rows: list, floor: dict) -> str:
     lines = [plan.table["title"], ""]
     for solver in plans.SOLVERS:
@@ -218,7 +267,7 @@ def summary(plan: plans.Plan, rows: list, floor: dict) -> str:
         span = float(best[0]["error"]) / float(best[-1]["error"])
         lines.append(f"{solver}: {len(best)} points on the front over a factor {span:.3g} of error"
                      + ("" if len(best) >= 5 and span >= 10 else "; not five points over a decade"))
-        lines += [f"  {float(row['error']):9.2%}  {float(row['processor_seconds']):8.3g} s  "
+        lines += [f"  {100.0 * float(row['error']):8.3g} %  {float(row['processor_seconds']):8.3g} s  "
                   f"{row['curve']}: {row['setting']}" for row in best]
     lines.append(f"the truth's own error: {max(floor.values()):.2%}")
     return "\n".join(lines) + "\n"
@@ -243,7 +292,7 @@ def main() -> int:
         say(str(fault))
         return NO_TABLE
     table = as_csv(plan, rows, floor)
-    about = manifest(plan, made, true, floor, options.accept or "")
+    about = manifest(plan, made, spans_of(plan, rows), (true, floor), options.accept or "")
     about_text = json.dumps(about, indent=1) + "\n"
     if options.accept is not None and about["clean"] != ["yes"]:
         say("--accept keeps what a clean commit made; these runs were made with changes that are not committed")
@@ -256,6 +305,7 @@ def main() -> int:
         write_whole(kept / "cost_study.csv", table)
         write_whole(kept / "cost_study.json", about_text)
     print(summary(plan, rows, floor), end="")
+    print(spans_text(about["spans"]))
     for curve, one in about["scaling"].items():
         if curve in ("spacing", "reference"):
             print("\n" + scaling_text(curve, one))

@@ -3,7 +3,8 @@
 cost.toml:
   title, says            what the case is
   scene                  of the particles (else scene.toml); reference_scene, of the reference (else the same)
-  repeats                how often every point is run (else 3); a curve may have its own
+  block                  true: no scenes but blocks of material, and the points are options (block_point.py)
+  repeats                how often every point is run (else 3); a curve may have its own, or a list of them, one a point
   [truth]                one of
     levels               three lists of overrides of the reference, each twice as fine as the one before in mesh and
                          step: extrapolated, quantity by quantity
@@ -12,7 +13,9 @@ cost.toml:
                          largest of all
   [curve.NAME]           says, solver ("particles" or "reference"), fixed (overrides of every point), points (a list of
                          lists of overrides), each with a record of its own; quick (numbers of the points that --quick
-                         takes); without = true keeps a curve out of the fronts
+                         takes); limit (number of the point with the finest of what the curve changes: the others'
+                         distance from it is what that choice alone costs); floor, in words why the curve's errors
+                         span no decade, where they do not
 """
 
 import tomllib
@@ -62,7 +65,13 @@ class Plan:
         """Overrides of the reference's levels, coarse to fine; the quick study goes without the finest."""
         return [tuple(one) for one in self.truth.get("levels", [])]
 
+    @property
+    def block(self) -> bool:
+        return bool(self.table.get("block", False))
+
     def scene(self, solver: str) -> Path:
+        if self.block:
+            return self.case / "cost.toml"
         name = self.table.get("scene", "scene.toml")
         return self.case / (self.table.get("reference_scene", name) if solver == "reference" else name)
 
@@ -97,9 +106,14 @@ def check(file: Path, table: dict) -> None:
             refuse(f"[curve.{name}] points must be a list of lists of overrides")
         if "." in name:
             refuse(f"[curve.{name}]: no dot in a curve's name")
-        for number in curve.get("quick", []):
-            if not 0 <= number < len(curve["points"]):
-                refuse(f"[curve.{name}] quick names point {number}; there are {len(curve['points'])}, from 0 on")
+        for key in ("quick", "limit"):
+            numbers = curve.get(key, [])
+            for number in numbers if isinstance(numbers, list) else [numbers]:
+                if not 0 <= number < len(curve["points"]):
+                    refuse(f"[curve.{name}] {key} names point {number}; there are {len(curve['points'])}, from 0 on")
+        repeats = curve.get("repeats", 1)
+        if isinstance(repeats, list) and len(repeats) != len(curve["points"]):
+            refuse(f"[curve.{name}] repeats has {len(repeats)} numbers for {len(curve['points'])} points")
     if not table.get("curve"):
         refuse("has no [curve.<name>]")
 
@@ -116,10 +130,12 @@ def read(case: Path, quick: bool = False) -> Plan:
     check(file, table)
     plan = Plan(case, table, quick)
     for name, curve in table["curve"].items():
-        repeats = 1 if quick else int(curve.get("repeats", table.get("repeats", 3)))
+        repeats = curve.get("repeats", table.get("repeats", 3))
         chosen = curve.get("quick", []) if quick else range(len(curve["points"]))
-        plan.points += [Point(name, k, curve["solver"], tuple([*curve.get("fixed", []), *curve["points"][k]]), repeats)
-                        for k in chosen]
+        for k in chosen:
+            times = 1 if quick else int(repeats[k] if isinstance(repeats, list) else repeats)
+            overrides = tuple([*curve.get("fixed", []), *curve["points"][k]])
+            plan.points.append(Point(name, k, curve["solver"], overrides, times))
     if not plan.points:
         raise WrongPlan(f"{file}: no curve names points for --quick")
     return plan

@@ -79,7 +79,11 @@ def mean_value(record: Record, one: dict) -> np.ndarray:
     return np.array([[np.average(values[late], weights=weight)]])
 
 
-KINDS = {"displacement": displacement, "profile": profile, "mean_profile": mean_profile, "energy": energy,
+def no_record(record: Record, one: dict) -> np.ndarray:
+    raise Missing("a block's strain is read from its table (block_point.py), not from a record")
+
+
+KINDS = {"strain": no_record, "displacement": displacement, "profile": profile, "mean_profile": mean_profile, "energy": energy,
          "mean_value": mean_value}
 NORMS = {"profile": "max", "mean_profile": "rms"}  # of a row's difference; the others' is its length
 
@@ -95,6 +99,17 @@ def true_energy(name: str, scene: Path, one: dict) -> np.ndarray:
     """Of an exact solution, in the shape that energy() has."""
     flow = exact.solution(name, Scene.of_toml(scene.read_text()), {})
     return np.asarray(flow.kinetic_energy(np.array(times_of(one))))[:, None]
+
+
+def strain_under_pull(stress_over_modulus: float) -> float:
+    """Stretch less one of an incompressible neo-Hookean body under a nominal stress: sigma = E/3 (s - s^-2).
+
+    Newton's method from the linear answer; the slope 1 + 2 s^-3 is positive, so it has one root.
+    """
+    stretch = 1.0 + stress_over_modulus
+    for _ in range(50):
+        stretch -= (stretch - stretch**-2 - 3.0 * stress_over_modulus) / (1.0 + 2.0 * stretch**-3)
+    return stretch - 1.0
 
 
 def error(one: dict, values: np.ndarray, true: np.ndarray) -> float:

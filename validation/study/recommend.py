@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""recommend.py CASE-FOLDER (--error 3% | --time 60s)
+"""recommend.py CASE-FOLDER (--error 3% | --time 60s | --check OTHER-CASE-FOLDER)
 
 Reads the kept table of the case's cost study (CASE-FOLDER/records/cost_study.csv) and names, for each solver, the
 cheapest setting that reaches an error, or the most accurate one within a budget of processor time.
@@ -8,9 +8,12 @@ The prediction is a straight line in log error and log time through each curve's
 is measured, not assumed: every inner point of the curve is predicted from the others, as if it had not been run, and
 the largest factor between the prediction and what was measured is the factor given (at least the spread of repeats,
 and at least the truth's own error). A setting is named only if its error, times that factor, still reaches what is
-asked.
+asked. Of a setting that was measured the error is known for that case; on another problem like it expect it within the
+same factor. --check holds that against the kept table of another case, which has no part in the prediction: every
+setting that both tables have.
 
-Exit codes: 0 a setting is named, 1 none that was measured reaches it, 2 wrong use.
+Exit codes: 0 a setting is named, or every checked one lies within its prediction; 1 none that was measured reaches it,
+or one lies outside; 2 wrong use.
 """
 
 import argparse
@@ -65,18 +68,27 @@ class Prediction:
     time: float
     time_factor: float
     measured: bool
+    elsewhere: float = 1.0  # factor within which a problem like this one should lie
 
     def __str__(self) -> str:
-        how = "measured" if self.measured else "between two that were measured"
+        how = "between two that were measured"
+        if self.measured:
+            how = (f"measured\n    on another problem like it expect {self.error / self.elsewhere:.2%} to "
+                   f"{self.error * self.elsewhere:.2%}")
         return (f"{self.setting}\n    error {self.error:.2%} ({self.error / self.error_factor:.2%} to "
                 f"{self.error * self.error_factor:.2%}), processor time {self.time:.3g} s "
                 f"({self.time / self.time_factor:.3g} to {self.time * self.time_factor:.3g} s); {how}")
 
 
-def read_table(file: Path) -> list[Measured]:
+def kept_table(case: Path) -> str:
+    file = case / "records" / "cost_study.csv"
     if not file.exists():
-        raise NoAnswer(f"there is no {file}; ./sprung study cost {file.parents[1].name} --accept REASON makes it")
-    rows = csv.DictReader(line for line in file.read_text().splitlines() if not line.startswith("#"))
+        raise NoAnswer(f"there is no {file}; ./sprung study cost {case.name} --accept REASON makes it")
+    return file.read_text()
+
+
+def read_table(file: Path) -> list[Measured]:
+    rows = csv.DictReader(line for line in kept_table(file.parents[1]).splitlines() if not line.startswith("#"))
     return [Measured.of(row) for row in rows if row["error"] and row["processor_seconds"]]
 
 
@@ -160,7 +172,8 @@ def for_error(table: list, solver: str, wanted: float, floor: float, channel: li
     best = None
     for curve, kept in curves_of(table, solver):
         factor = factor_of(curve, kept, floor)
-        candidates = [Prediction(one.setting, one.error, 1.0 + floor / one.error, one.time, one.time_spread, True)
+        candidates = [Prediction(one.setting, one.error, 1.0 + floor / one.error, one.time, one.time_spread, True,
+                                 factor)
                       for one in kept if one.error + floor <= wanted]
         for a, b in zip(kept, kept[1:]):
             aim = wanted / factor
@@ -181,7 +194,8 @@ def for_time(table: list, solver: str, budget: float, floor: float, channel: lis
         factor = factor_of(curve, kept, floor)
         for one in kept:
             if one.time * one.time_spread <= budget:
-                found = Prediction(one.setting, one.error, 1.0 + floor / one.error, one.time, one.time_spread, True)
+                found = Prediction(one.setting, one.error, 1.0 + floor / one.error, one.time, one.time_spread, True,
+                                   factor)
                 if best is None or found.error * found.error_factor < best.error * best.error_factor:
                     best = found
         spread = max(one.time_spread for one in curve)
@@ -206,19 +220,93 @@ def parse_time(text: str) -> float:
     return float(match[1]) * {"s": 1.0, None: 1.0, "min": 60.0, "h": 3600.0}[match[2]]
 
 
+def boxes(case: Path) -> list:
+    """Bodies of the case's scene that are boxes: (corner, opposite corner) in m."""
+    solids = tomllib.loads((case / "scene.toml").read_text()).get("solid", {})
+    return [tuple([quantity(x) for x in solid["body"][end]] for end in ("from", "to"))
+            for solid in solids.values() if "from" in solid.get("body", {})]
+
+
 def thicknesses(case: Path) -> list:
     """Least side of every body: a spacing between two whole numbers of layers is no neighbour of either. (The beam at
     4.29 mm, three and a half layers, is 10.5 % off, between 7.3 % at three and 2.3 % at four.)"""
-    solids = tomllib.loads((case / "scene.toml").read_text()).get("solid", {})
-    boxes = [solid["body"] for solid in solids.values() if "from" in solid.get("body", {})]
-    return [min(quantity(to) - quantity(begin) for begin, to in zip(box["from"], box["to"])) for box in boxes]
+    return [min(b - a for a, b in zip(low, high)) for low, high in boxes(case)]
+
+
+def graded(case: Path, about: dict, wanted: float) -> str:
+    """On paper: what finer particles near the body alone would save, where the motion of the body is what asks for them.
+
+    Far away the coarsest spacing at which every other quantity reaches the error; within twice the body's thickness of
+    it the coarsest at which all do. Time as the number of particles, at the finer spacing's step. "" where nothing is to
+    be had.
+    """
+    rows = csv.DictReader(line for line in (case / "records" / "cost_study.csv").read_text().splitlines()
+                          if not line.startswith("#"))
+    points = [(spacing_of(row["setting"]), row) for row in rows if row["curve"] == "spacing" and row["error"]]
+    bodies, channel = boxes(case), about["channel_m"]
+    moved = [q for q, one in about["quantities"].items() if one["kind"] == "displacement"]
+    if not bodies or not moved or len(channel) != 2:
+        return ""
+
+    def coarsest(names) -> float | None:
+        fit = [h for h, row in points if all(float(row[f"error_{q}"]) + about["truth_error"][q] <= wanted for q in names)]
+        return max(fit, default=None)
+
+    near, far = coarsest(about["quantities"]), coarsest([q for q in about["quantities"] if q not in moved])
+    if near is None or far is None or far <= near * 1.001:
+        return ""
+    zone = 0.0
+    for low, high in bodies:
+        reach = 2.0 * min(b - a for a, b in zip(low, high))
+        sides = [min(b + reach, side) - max(a - reach, 0.0) for a, b, side in zip(low, high, channel)]
+        zone += sides[0] * sides[1]
+    area = channel[0] * channel[1]
+    part = (zone + (area - zone) * (near / far) ** 2) / area
+    return (f"on paper, {1e3 * near:g} mm within {1e3 * reach:g} mm of the body and {1e3 * far:g} mm elsewhere would do with "
+            f"{part:.2f} of the particles and, at the same step, of the time: a factor of {1.0 / part:.2g}")
+
+
+def check(case: Path, other: Path) -> bool:
+    """Every setting that both tables have: the case's prediction for it, with its uncertainty, beside the other's measurement."""
+    tables, plan = {}, {}
+    for one in (case, other):
+        plan[one] = plans.read(one)
+        rows = csv.DictReader(line for line in kept_table(one).splitlines() if not line.startswith("#"))
+        tables[one] = {(row["curve"], int(row["point"])): row for row in rows if row["error"]}
+    about = json.loads((case / "records" / "cost_study.json").read_text())
+    floor = {one: max(json.loads((one / "records" / "cost_study.json").read_text())["truth_error"].values())
+             for one in (case, other)}
+    measured = read_table(case / "records" / "cost_study.csv")
+    factors = {curve[0].curve: factor_of(curve, kept, floor[case])
+               for solver in plans.SOLVERS for curve, kept in curves_of(measured, solver)}
+    print(f"{other.name} by the table of {case.name}: {about['title']}\n")
+    fixed = {one for curve in plan[other].table["curve"].values() for one in curve.get("fixed", [])}
+    within = found = 0
+    for point in plan[other].points:
+        row = tables[other].get((point.curve, point.number))
+        twin = next((p for p in plan[case].points if p.solver == point.solver and p.curve in factors and
+                     set(p.overrides) == set(point.overrides) - fixed), None)
+        known = tables[case].get((twin.curve, twin.number)) if twin else None
+        if row is None or known is None:
+            continue
+        said, factor, got = float(known["error"]), factors[twin.curve], float(row["error"])
+        fits = said / factor - floor[other] <= got <= said * factor + floor[other]
+        time = float(row["processor_seconds"]) / float(known["processor_seconds"])
+        found, within = found + 1, within + fits
+        print(f"  {point.solver}: {' '.join(twin.overrides)}\n    said {said:.2%} ({said / factor:.2%} to "
+              f"{said * factor:.2%}), measured {got:.2%} +- {floor[other]:.2%}: {'within' if fits else 'OUTSIDE'}; "
+              f"processor time {time:.2f} of what was said")
+    if found == 0:
+        raise NoAnswer(f"{other.name} and {case.name} have no measured setting in common")
+    print(f"\n  {within} of {found} within the prediction's uncertainty")
+    return within == found
 
 
 def answer(case: Path, options: argparse.Namespace) -> dict:
     table = read_table(case / "records" / "cost_study.csv")
     about = json.loads((case / "records" / "cost_study.json").read_text())
     floor = max(about["truth_error"].values())
-    sides = about["channel_m"] + thicknesses(case)
+    sides = about["channel_m"] + (thicknesses(case) if (case / "scene.toml").exists() else [])
     found = {}
     for solver in plans.SOLVERS:
         if not any(one.solver == solver for one in table):
@@ -238,6 +326,9 @@ def answer(case: Path, options: argparse.Namespace) -> dict:
         ratio = both[0].time / both[1].time
         print(f"\n  {'the particles take' if ratio > 1.0 else 'the finite elements take'} {max(ratio, 1 / ratio):.3g}"
               " times as long")
+    if options.error and found.get("particles"):
+        saving = graded(case, about, parse_error(options.error))
+        print(f"\n  {saving}" if saving else "", end="\n" if saving else "")
     return found
 
 
@@ -248,8 +339,11 @@ def main() -> int:
     wish = parser.add_mutually_exclusive_group(required=True)
     wish.add_argument("--error")
     wish.add_argument("--time")
+    wish.add_argument("--check", type=Path)
     options = parser.parse_args()
     try:
+        if options.check:
+            return 0 if check(options.case.resolve(), options.check.resolve()) else NOT_REACHED
         found = answer(options.case.resolve(), options)
     except NoAnswer as fault:
         say(str(fault))

@@ -13,6 +13,7 @@ import shutil
 import sys
 from pathlib import Path
 
+import block_point
 import plan as plans
 import quantities
 
@@ -60,6 +61,8 @@ def main() -> int:
     else:
         point = plan.point(options.name)
         solver, overrides = point.solver, point.overrides
+    if plan.block:
+        return block_point.run(plan, plan.point(options.name), options.repeat, options.program.resolve(), options.out)
     runner = Runner(options.program.resolve(), 1, options.time_limit, ["run"] if solver == "particles" else [])
     folder = options.out.resolve().with_suffix(".record")
     label = f"{plan.case.name} {options.name}, run {options.repeat}"
