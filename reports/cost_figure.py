@@ -3,7 +3,8 @@
 
 Lines join the points of one curve; the thick ones are the fronts, the settings that no other of the same solver beats
 in both. The grey band is the truth's own error: no point in it is told apart from a perfect one. Bars are the least
-and the most of the repeats.
+and the most of the repeats. Dotted: the floor of a curve that spans no decade of error. Where curves have a limit of
+their own (the finest of what they change), a third panel shows the distance from it: what that choice alone costs.
 """
 
 import csv
@@ -59,16 +60,42 @@ def draw_panel(panel, rows: list[dict], about: dict, cost: str, bars: bool) -> N
                    transform=panel.get_yaxis_transform())
 
 
+def draw_floors(panel, rows: list[dict], about: dict) -> None:
+    """The least error of every curve that spans no decade and says why, over the width of the curve."""
+    for curve, one in about.get("spans", {}).items():
+        own = [row for row in rows if row["curve"] == curve]
+        if "floor" not in one or len(own) < 3 or one.get("error", {}).get("factor", 10.0) >= 10.0:
+            continue
+        times, least = [float(row["processor_seconds"]) for row in own], one["error"]["least"]
+        panel.plot([min(times), max(times)], [least, least], color="#555555", linestyle=":", linewidth=1.0)
+        panel.text(max(times), least, f"{curve}: {one['floor']}", fontsize=5.5, color="#555555", va="top", ha="right")
+
+
+def draw_own(panel, rows: list[dict], about: dict) -> None:
+    for number, curve in enumerate(dict.fromkeys(row["curve"] for row in rows)):
+        own = [row for row in rows if row["curve"] == curve and row.get("error_own")]
+        if own:
+            panel.plot([float(row["processor_seconds"]) for row in own], [float(row["error_own"]) for row in own],
+                       color=style.FURTHER[number % len(style.FURTHER)], marker=MARKS[number % len(MARKS)], markersize=4,
+                       linewidth=0.7)
+    panel.set(xscale="log", yscale="log", xlabel="processor time [s]", ylabel="distance from the curve's own limit",
+              title="what step and tolerance alone cost")
+
+
 def draw(rows: list[dict], about: dict, file: Path) -> None:
     curves = len({row["curve"] for row in rows})
-    figure, axes = plt.subplot_mosaic([["time", "memory"], ["legend", "legend"]], layout="constrained",
-                                      figsize=(1.25 * style.WIDTH, 4.8 + 0.17 * curves),
+    panels = ["time", "memory"] + (["own"] if any(row.get("error_own") for row in rows) else [])
+    figure, axes = plt.subplot_mosaic([panels, ["legend"] * len(panels)], layout="constrained",
+                                      figsize=(0.625 * len(panels) * style.WIDTH, 4.8 + 0.17 * curves),
                                       height_ratios=[4.8, 0.17 * curves])
     left, right, legend = axes["time"], axes["memory"], axes["legend"]
     right.sharey(left)
     legend.axis("off")
     draw_panel(left, rows, about, "processor_seconds", bars=True)
     draw_panel(right, rows, about, "memory_MB", bars=False)
+    draw_floors(left, rows, about)
+    if "own" in axes:
+        draw_own(axes["own"], rows, about)
     left.set(xlabel="processor time [s], one thread", ylabel="error (largest of all quantities)", title=about["title"])
     right.set(xlabel="memory [MB], largest resident set", title="the same by memory")
     commits = "; ".join(f"{WORDS[solver]} {', '.join(c[:7] for c in those)}" for solver, those in about["commits"].items())

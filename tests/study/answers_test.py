@@ -12,6 +12,7 @@ import numpy as np
 ROOT = Path(sys.argv[1])
 sys.path.insert(0, str(ROOT / "validation" / "study"))
 
+import block_point  # noqa: E402
 import cost_table  # noqa: E402
 import differences  # noqa: E402
 import plan as plans  # noqa: E402
@@ -64,7 +65,9 @@ class Plans(unittest.TestCase):
         for slip, by, says in (('kind = "mean_profile"', 'kind = "mean_profil"', "mean_profil"),
                                ('solver = "particles"', 'solver = "sph"', "'sph'"),
                                ("[truth]", "[trutj]", "[truth] has one of"),
-                               ("quick = [0, 1]", "quick = [0, 9]", "point 9"),
+                               ("quick = [0, 2]", "quick = [0, 9]", "point 9"),
+                               ("limit = 0", "limit = 7", "limit names point 7"),
+                               ("repeats = [3, 3,", "repeats = [3,", "repeats has 6 numbers for 7 points"),
                                ("repeats = 3", "repeats = ", "cost.toml")):
             with tempfile.TemporaryDirectory() as folder, self.subTest(by):
                 self.assertIn(slip, good)
@@ -72,6 +75,48 @@ class Plans(unittest.TestCase):
                 with self.assertRaises(plans.WrongPlan) as refused:
                     plans.read(Path(folder))
                 self.assertIn(says, str(refused.exception))
+
+
+    def test_points_have_repeats_of_their_own(self):
+        plan = plans.read(ROOT / "validation" / "beam_in_channel")
+        self.assertEqual([plan.point(f"spacing.{k}").repeats for k in range(5)], [3, 3, 3, 2, 1])
+        self.assertEqual({point.repeats for point in plans.read(plan.case, True).points}, {1})
+
+
+class Spans(unittest.TestCase):
+    PLAN = plans.Plan(Path("case"), {"curve": {"spacing": {}, "step": {"limit": 0, "floor": "the spacing"}}})
+
+    def test_five_points_over_a_decade_or_a_reason(self):
+        rows = [{"curve": "spacing", "error": f"{0.2 / 2**k:g}"} for k in range(5)]  # 0.2 to 0.0125: a factor 16
+        rows += [{"curve": "step", "error": "0.07", "error_own": own} for own in ("", "1e-4", "1e-3", "3e-3")]
+        found = cost_table.spans_of(self.PLAN, rows)
+        self.assertTrue(found["spacing"]["five_over_a_decade"])
+        self.assertAlmostEqual(found["spacing"]["error"]["factor"], 16.0)
+        self.assertFalse(found["step"]["five_over_a_decade"])  # four points, and three from the limit
+        self.assertAlmostEqual(found["step"]["error_own"]["factor"], 30.0)
+        self.assertIn("no decade: the spacing", cost_table.spans_text(found))
+        self.assertFalse(cost_table.spans_of(self.PLAN, rows[1:])["spacing"]["five_over_a_decade"])
+
+    def test_distance_from_the_limit_of_a_curve(self):
+        plan = plans.Plan(Path("case"), {"quantity": {"tip": {"kind": "displacement"}}})
+        limit = [{"numbers": {"tip": [[3.0, 4.0]]}}]
+        self.assertEqual(cost_table.own_error(plan, [{"numbers": {"tip": [[3.3, 4.4]]}}], limit), "0.1")  # 0.5 of 5
+        self.assertEqual(cost_table.own_error(plan, limit, limit), "")  # no point on a logarithmic axis
+        self.assertEqual(cost_table.own_error(plan, [{"numbers": {}}], limit), "")
+
+
+class Blocks(unittest.TestCase):
+    def test_strain_of_a_neo_hookean_body(self):
+        # sigma/E = (s - s^-2)/3 by hand: s = 1.3 gives 0.236095; s = 0.9 gives -0.111523
+        self.assertAlmostEqual(quantities.strain_under_pull((1.3 - 1.3**-2) / 3.0), 0.3, delta=1e-12)
+        self.assertAlmostEqual(quantities.strain_under_pull((0.9 - 0.9**-2) / 3.0), -0.1, delta=1e-12)
+        self.assertAlmostEqual(quantities.strain_under_pull(1e-4), 1e-4 + 1e-8, delta=1e-11)  # e = x + x^2 + ...
+
+    def test_unknowns_of_a_block(self):
+        self.assertEqual(block_point.unknowns_of({"layers": "8"}, ()), 512)
+        # One element of degree 2: 27 nodes of 3 displacements and 4 pressures; eight: 125 nodes and 32
+        self.assertEqual(block_point.unknowns_of({}, ("--cells=1 1 1",)), 85)
+        self.assertEqual(block_point.unknowns_of({}, ("--stress=1 0 0", "--cells=2 2 2")), 407)
 
 
 def measured(solver: str, spacings_mm, error, time) -> list:
@@ -131,6 +176,48 @@ class Recommendations(unittest.TestCase):
                                     text=True)
         self.assertEqual(answer.returncode, 2)
         self.assertIn("cost_study.csv", answer.stderr)
+
+
+class Checked(unittest.TestCase):
+    """A table of errors 16, 8, 4, 2 % at 8, 4, 2, 1 mm for one case; another's measured at two of them."""
+
+    def case(self, folder: Path, name: str, errors: dict) -> Path:
+        case = folder / name
+        (case / "records").mkdir(parents=True)
+        points = ", ".join(f"['sph.spacing=\"{h} mm\"']" for h in errors)
+        (case / "cost.toml").write_text(f"""title = "A case"
+says = "an error"
+[truth]
+published = {{ drag = 1.0 }}
+[quantity.drag]
+says = "drag"
+kind = "mean_value"
+[curve.spacing]
+says = "spacing"
+solver = "particles"
+fixed = {"[]" if name == "one" else "['fluid.density=2']"}
+points = [{points}]
+""")
+        rows = "".join(f'spacing,{k},particles,"sph.spacing=""{h} mm""",{e:.6g},{8.0 / h**2:.6g},{8.0 / h**2:.6g},'
+                       f"{8.0 / h**2:.6g},1\n" for k, (h, e) in enumerate(errors.items()))
+        (case / "records" / "cost_study.csv").write_text(
+            "curve,point,solver,setting,error,processor_seconds,processor_seconds_least,processor_seconds_most,repeats\n" + rows)
+        (case / "records" / "cost_study.json").write_text('{"title": "A case", "truth_error": {"drag": 0.0}}')
+        return case
+
+    def test_a_setting_is_held_to_what_the_table_says_of_it(self):
+        for off, within in ((1.15, True), (1.35, False), (0.7, False)):
+            with tempfile.TemporaryDirectory() as folder, self.subTest(off):
+                # The point at 2 mm is 1.2 times what its neighbours say, so the factor is 1.2.
+                one = self.case(Path(folder), "one", {8: 0.16, 4: 0.08, 2: 0.048, 1: 0.02})
+                other = self.case(Path(folder), "other", {8: 0.16 * off, 3: 0.5, 1: 0.02})
+                self.assertEqual(recommend.check(one, other), within)
+
+    def test_nothing_in_common_is_told(self):
+        with tempfile.TemporaryDirectory() as folder:
+            one = self.case(Path(folder), "one", {8: 0.16, 4: 0.08, 2: 0.04})
+            with self.assertRaises(recommend.NoAnswer):
+                recommend.check(one, self.case(Path(folder), "other", {7: 0.1, 3: 0.05}))
 
 
 class Scaling(unittest.TestCase):
