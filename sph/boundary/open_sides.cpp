@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 namespace sprung::sph {
@@ -219,24 +220,35 @@ void PressureColumns<dim>::copy_velocity(Particles<dim>& particles,
 template <int dim>
 void sort_by_role(Particles<dim>& particles, const std::vector<bool>& dropped, double cell) {
   const std::size_t n = particles.size();
-  std::vector<std::int32_t> order, fluid, prescribed;
-  order.reserve(n);
-  fluid.reserve(n);
-  for (std::size_t i = 0; i < particles.solids; ++i) order.push_back(static_cast<std::int32_t>(i));
-  std::vector<std::int32_t> scan;
+  std::size_t kept = 0, fluid = 0;
+  bool in_order = cell <= 0.0;
+  for (std::size_t i = particles.solids; i < n; ++i) {
+    if (dropped[i]) {
+      in_order = false;
+      continue;
+    }
+    if (particles.role[i] == Role::fluid) {
+      in_order = in_order && fluid == kept;
+      ++fluid;
+    }
+    ++kept;
+  }
+  particles.unknowns = particles.solids + fluid;
+  if (in_order) return;  // most steps of a closed domain
+  std::vector<std::int32_t> order(particles.solids + kept);
+  std::iota(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(particles.solids), 0);
+  std::size_t next_fluid = particles.solids, next_prescribed = particles.unknowns;
+  const auto place = [&](std::int32_t i) {
+    if (!dropped[i]) order[particles.role[i] == Role::fluid ? next_fluid++ : next_prescribed++] = i;
+  };
   if (cell > 0.0) {
-    scan = Support<dim>::cell_order(particles.position, particles.solids, n, cell);
+    for (const std::int32_t i :
+         Support<dim>::cell_order(particles.position, particles.solids, n, cell))
+      place(i);
   } else {
-    for (std::size_t i = particles.solids; i < n; ++i) scan.push_back(static_cast<std::int32_t>(i));
+    for (std::size_t i = particles.solids; i < n; ++i) place(static_cast<std::int32_t>(i));
   }
-  for (const std::int32_t i : scan) {
-    if (dropped[i]) continue;
-    (particles.role[i] == Role::fluid ? fluid : prescribed).push_back(i);
-  }
-  order.insert(order.end(), fluid.begin(), fluid.end());
-  order.insert(order.end(), prescribed.begin(), prescribed.end());
   particles.rearrange(order);
-  particles.unknowns = particles.solids + fluid.size();
 }
 
 template class InflowSide<2>;
