@@ -105,7 +105,7 @@ std::optional<std::string> Guard<dim>::motion_fault() const {
 }
 
 template <int dim>
-std::optional<std::string> Guard<dim>::spring_fault() const {
+std::optional<std::string> Guard<dim>::spring_fault() {
   if (!scene_.solid) return std::nullopt;
   const auto& particles = scene_.simulation->state().particles;
   const auto& network = scene_.solid->network();
@@ -113,8 +113,17 @@ std::optional<std::string> Guard<dim>::spring_fault() const {
     return static_cast<std::size_t>(node) < network.movable ? particles.position[node]
                                                             : network.reference[node];
   };
+  std::size_t beyond = 0;
   for (const Bond& bond : network.bonds) {
     const double stretch = (at(bond.a) - at(bond.b)).norm() / bond.rest_length;
+    const double strain = std::abs(stretch - 1.0);
+    beyond += strain > calibrated_strain(dim);
+    if (strain > strain_.largest) {
+      const auto end = static_cast<std::size_t>(std::min(bond.a, bond.b));
+      strain_.largest = strain;
+      strain_.time = scene_.simulation->state().clock.time;
+      strain_.particle = end < network.movable ? particles.identity[end] : -1;
+    }
     if (stretch > range_.least_stretch && stretch < range_.most_stretch) continue;
     return fmt::format(
         "the spring of {} has {:.3g} times its rest length, {} (sound range: {} to "
@@ -122,7 +131,36 @@ std::optional<std::string> Guard<dim>::spring_fault() const {
         where(static_cast<std::size_t>(std::min(bond.a, bond.b))), stretch, when(),
         range_.least_stretch, range_.most_stretch, scene_.simulation->state().clock.time_step);
   }
+  strain_.share = std::max(strain_.share,
+                           static_cast<double>(beyond) / static_cast<double>(network.bonds.size()));
   return std::nullopt;
+}
+
+template <int dim>
+void Guard<dim>::save(Archive& archive) const {
+  if (!scene_.solid) return;
+  archive["spring_strain"] = std::vector<double>{
+      strain_.largest, strain_.time, static_cast<double>(strain_.particle), strain_.share};
+}
+
+template <int dim>
+void Guard<dim>::restore(const Archive& archive) {
+  if (!scene_.solid) return;
+  const auto& values = std::get<std::vector<double>>(archive.at("spring_strain"));
+  strain_ = {values[0], values[1], static_cast<std::int64_t>(values[2]), values[3]};
+}
+
+std::string SpringStrain::told(int dimension) const {
+  const double range = calibrated_strain(dimension);
+  if (within(dimension))
+    return fmt::format(
+        "springs strained by up to {:.2g} %, within the {:g} % that lambda holds for",
+        100.0 * largest, 100.0 * range);
+  return fmt::format(
+      "springs were strained by up to {:.3g} % (particle {}, at t = {:.4g} s), up to {:.2g} % of "
+      "them beyond the {:g} % to which a body of these springs carries the stress of its E within "
+      "1 %; calibration/stress_strain.csv holds what springs carry at larger strains",
+      100.0 * largest, particle, time, 100.0 * share, 100.0 * range);
 }
 
 /// Clumps and voids: the gradient factor falls with the distance, so the largest is the closest

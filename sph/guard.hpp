@@ -3,6 +3,7 @@
 /// what to change. Each step costs one pass over the particles and one over the springs, every
 /// tenth step two more over the pairs; the record's cost table shows it as "guard".
 
+#include "sph/effects/calibrated_strain.hpp"
 #include "sph/scene_setup.hpp"
 
 #include <optional>
@@ -30,10 +31,15 @@ class Guard {
   explicit Guard(const ParticleScene<dim>& scene) : scene_(scene) {}
   /// A message when the state is not sound. Called once after each step.
   std::optional<std::string> find_fault();
+  /// Over all steps looked at, those before a checkpoint included.
+  const SpringStrain& spring_strain() const { return strain_; }
+
+  void save(Archive& archive) const;
+  void restore(const Archive& archive);
 
  private:
   std::optional<std::string> motion_fault() const;
-  std::optional<std::string> spring_fault() const;
+  std::optional<std::string> spring_fault();
   std::optional<std::string> crowd_fault() const;
   std::optional<std::string> volume_fault();
   std::string where(std::size_t i) const;
@@ -41,6 +47,7 @@ class Guard {
 
   const ParticleScene<dim>& scene_;
   SoundRange range_;
+  SpringStrain strain_;
 };
 
 }  // namespace sprung::sph

@@ -96,6 +96,7 @@ class RunUnderWay {
   std::optional<std::filesystem::path> last_good() const;
   Archive state() const;
   void costs();
+  void tell_strain();
 
   const RunOptions& options_;
   Retreats& retreats_;
@@ -128,7 +129,10 @@ RunUnderWay<dim>::RunUnderWay(Document& document, const ModulusTable& table,
       guard_(scene_) {
   if (retreats_.count == 0)
     for (const auto& warning : scene_.warnings) fmt::print(stderr, "warning: {}\n", warning);
-  if (!archive_.empty()) measurements_.restore(archive_);
+  if (!archive_.empty()) {
+    measurements_.restore(archive_);
+    guard_.restore(archive_);
+  }
   if (!archive_.empty() && std::filesystem::exists(good(options_)))
     good_step_ = step_of(read_archive(good(options_)));
   if (scene_.retreat) note_retreat();
@@ -174,6 +178,7 @@ Archive RunUnderWay<dim>::state() const {
   Archive archive;
   scene_.simulation->save(archive);
   measurements_.save(archive);
+  guard_.save(archive);
   return archive;
 }
 
@@ -313,9 +318,22 @@ std::optional<std::filesystem::path> RunUnderWay<dim>::retreat() {
   return file ? good(options_) : std::filesystem::path();
 }
 
+/// Says in the record how far the springs were strained, and aloud where that is beyond the strain
+/// to which E means what the scene says.
+template <int dim>
+void RunUnderWay<dim>::tell_strain() {
+  if (!scene_.solid) return;
+  const SpringStrain& strain = guard_.spring_strain();
+  record_.set_number("largest_spring_strain", strain.largest);
+  record_.set_number("springs_beyond_calibration", strain.share);
+  record_.set_note("calibration", strain.told(dim));
+  if (!strain.within(dim)) fmt::print(stderr, "warning: {}\n", strain.told(dim));
+}
+
 template <int dim>
 Outcome RunUnderWay<dim>::close(Outcome outcome) {
   costs();
+  if (outcome != Outcome::paused) tell_strain();
   if (outcome == Outcome::stopped) {
     const auto file = last_good();
     const auto checkpoint = options_.out / "checkpoint.h5";

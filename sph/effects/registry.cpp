@@ -1,5 +1,7 @@
 #include "sph/effects/registry.hpp"
 
+#include "scene/body_shape.hpp"
+#include "sph/effects/calibrated_strain.hpp"
 #include "sph/effects/fibre.hpp"
 #include "sph/effects/gravity.hpp"
 #include "sph/effects/moving_walls.hpp"
@@ -8,6 +10,9 @@
 #include "sph/effects/stiffening.hpp"
 #include "sph/effects/viscoelastic.hpp"
 #include "sph/effects/viscosity.hpp"
+
+#include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -173,6 +178,30 @@ bool add_viscoelastic(ParticleScene<dim>& scene, const ModulusTable&) {
   return any;
 }
 
+/// Largest strain that the flow's dynamic pressure rho U^2 (over both faces) makes in a body: of a
+/// clamped one at the clamp, bent like a plate of thickness t over its length L, 3 q (L/t)^2/E; of
+/// a free one q/E. Right within a factor of a few: drag depends on shape and Reynolds number.
+double expected_strain(const Problem& problem, const Solid& solid, double velocity_scale) {
+  const double speed = problem.inflow ? problem.inflow->mean_velocity : velocity_scale;
+  const double load = problem.density * speed * speed / solid.youngs_modulus;
+  if (!solid.clamped) return load;
+  const Point extent = own_extent(solid);
+  const auto [thinnest, longest] =
+      std::minmax_element(extent.begin(), extent.begin() + problem.dimension);
+  return 3.0 * load * std::pow(*longest / *thinnest, 2);
+}
+
+template <int dim>
+void warn_of_strain(ParticleScene<dim>& scene, const Solid& solid) {
+  const double strain = expected_strain(scene.problem, solid, scene.simulation->velocity_scale());
+  if (strain <= calibrated_strain(dim)) return;
+  scene.warnings.push_back(fmt::format(
+      "[solid.{}] is expected to be strained by about {:.2g} % (rho U^2 against E, within a factor "
+      "of a few); a body of these springs carries the stress of its E within 1 % up to {:g} %, see "
+      "calibration/README.md, Large strains. The run will say how far it was",
+      solid.name, 100.0 * strain, 100.0 * calibrated_strain(dim)));
+}
+
 template <int dim>
 bool add_springs(ParticleScene<dim>& scene, const ModulusTable& table) {
   if (scene.problem.solids.empty()) return false;
@@ -190,6 +219,7 @@ bool add_springs(ParticleScene<dim>& scene, const ModulusTable& table) {
         "springs: [solid.{}], {} particles, E = {:.4g} Pa, lambda = {:.4f}, k_e = {:.4g} Pa",
         solid.name, scene.bodies[b].last - scene.bodies[b].first, solid.youngs_modulus, lambda,
         k_e));
+    warn_of_strain(scene, solid);
     if (solid.fibre) {
       add_fibres(network, particles, scene.bodies[b].first, scene.bodies[b].last, solid);
       note_law(scene, "fibre", solid, fmt::format("{:.4g} Pa", solid.fibre->modulus));

@@ -1,9 +1,11 @@
 // Stress against stretch of the spring lattice: its own law, written out by hand, and its distance
 // from the neo-Hookean solid.
 #include "calibration/finite_strain.hpp"
+#include "sph/effects/calibrated_strain.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace {
@@ -55,6 +57,29 @@ TEST(SpringLaw, BeginsAsTheNeoHookeanSolid) {
   EXPECT_NEAR(lattice_stress({2, isotropic, 300.0}, uniaxial, 1.0 + s) /
                   neo_hookean_stress(2, 0.5 * spring_stiffness, uniaxial, 1.0 + s),
               1.0, 3.0 * s);
+}
+
+// sph::calibrated_strain: 1 % of the stress to there, more than that at half as much again, of one
+// of the lattices at least.
+TEST(CalibratedStrain, IsWhereTheStressIsOffByOnePerCent) {
+  for (const int dimension : {2, 3}) {
+    double worst_beyond = 0.0;
+    for (const auto bonds : {equal, isotropic}) {
+      const Material material{dimension, bonds, 0.0};
+      const auto ratio = [&](double strain) {
+        return lattice_stress(material, uniaxial, 1.0 + strain) /
+               neo_hookean_stress(dimension, 1.0, uniaxial, 1.0 + strain);
+      };
+      const double at_rest = 0.5 * (ratio(1e-4) + ratio(-1e-4));
+      const double range = sph::calibrated_strain(dimension);
+      for (const double sign : {-1.0, 1.0}) {
+        // The paper's bonds in the plane: 1.2 % at -5 %.
+        EXPECT_NEAR(ratio(sign * range) / at_rest, 1.0, 0.0125);
+        worst_beyond = std::max(worst_beyond, std::abs(ratio(sign * 1.5 * range) / at_rest - 1.0));
+      }
+    }
+    EXPECT_GT(worst_beyond, 0.0125) << dimension;
+  }
 }
 
 }  // namespace

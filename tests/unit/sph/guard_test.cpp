@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace sprung::sph {
@@ -76,6 +77,39 @@ TEST(Guard, SeesTheEnergyOfAll) {
   EXPECT_EQ(fault_of(scene), "");
   for (std::size_t i = 0; i < particles.unknowns; ++i) particles.velocity[i] = {2.02 * scale, 0.0};
   expect_says(fault_of(scene), {"kinetic energy", "velocity_scale"});
+}
+
+// A corner particle moved outwards along the diagonal of a cell by 0.2 of it: its bonds along x and
+// y get sqrt(1.2^2 + 0.2^2) = 1.2166 of their length, the diagonal 1.2: three springs beyond 5 %.
+TEST(Guard, KeepsTheLargestStrainOfTheSprings) {
+  ParticleScene<2> scene = beam_at_rest();
+  auto& particles = particles_of(scene);
+  Guard<2> guard(scene);
+  scene.simulation->state().clock.step = 1;
+  ASSERT_EQ(guard.find_fault().value_or(""), "");
+  EXPECT_LT(guard.spring_strain().largest, 1e-12);
+  EXPECT_TRUE(guard.spring_strain().within(2));
+  std::size_t corner = 0;  // farthest up and to the right
+  for (std::size_t i = 0; i < particles.solids; ++i)
+    if (particles.position[i].sum() > particles.position[corner].sum()) corner = i;
+  const Vector<2> place = particles.position[corner];
+  particles.position[corner] += Vector<2>(0.2 * dx, 0.2 * dx);
+  scene.simulation->state().clock.time = 0.25;
+  ASSERT_EQ(guard.find_fault().value_or(""), "");
+  particles.position[corner] = place;
+  scene.simulation->state().clock.time = 0.5;
+  ASSERT_EQ(guard.find_fault().value_or(""), "");
+
+  Archive archive;
+  guard.save(archive);
+  Guard<2> resumed(scene);
+  resumed.restore(archive);
+  const SpringStrain& strain = resumed.spring_strain();
+  EXPECT_NEAR(strain.largest, std::sqrt(1.2 * 1.2 + 0.2 * 0.2) - 1.0, 1e-9);
+  EXPECT_DOUBLE_EQ(strain.time, 0.25);
+  EXPECT_DOUBLE_EQ(strain.share, 3.0 / static_cast<double>(scene.solid->network().bonds.size()));
+  EXPECT_FALSE(strain.within(2));
+  expect_says(strain.told(2), {"21.7 %", "t = 0.25 s", "beyond the 5 %", "stress_strain.csv"});
 }
 
 // A corner particle moved outwards along the diagonal by 0.4 of the diagonal: its bonds along x and

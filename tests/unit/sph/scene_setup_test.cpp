@@ -87,6 +87,17 @@ TEST(SceneSetup, WarnsOfABeamOfTwoAndNotOfFour) {
   EXPECT_TRUE(set_up(scene).warnings.empty());
 }
 
+// 3 rho U^2/E (L/t)^2 = 3 x 1000 x 0.25/0.35e6 x (0.1/0.015)^2 = 0.095; with twice the modulus half
+// of it, within the 5 % of the plane.
+TEST(SceneSetup, WarnsOfABodyThatIsStrainedBeyondTheCalibration) {
+  ChannelScene scene;
+  scene.spacing = 0.00375;
+  scene.youngs_modulus = 0.35e6;
+  const auto soft = set_up(scene);
+  ASSERT_EQ(soft.warnings.size(), 1u);
+  expect_contains(soft.warnings[0], {"[solid.beam]", "about 9.5 %", "up to 5 %"});
+}
+
 TEST(SceneSetup, RefusesASpacingThatDoesNotDivideTheChannel) {
   ChannelScene scene;
   scene.spacing = 0.007;
