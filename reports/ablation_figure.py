@@ -50,7 +50,7 @@ def draw(rows: list[dict], title: str, file: Path) -> None:
     most = max([float(row["loss"]) for row in rows if row["loss"]] + [1.0])
     left.set(xscale="log", xlim=(least, most * 200), xlabel="relative L2 difference from the whole run; grey: another start",
              yticks=range(len(rows)), yticklabels=[row["switched_off"] for row in rows], title="lost without it")
-    right.set(xlabel="processor time over the whole run's", title="time without it")
+    right.set(xlabel="over the whole run's", title="processor time without it")
     right.margins(x=0.2)
     figure.suptitle(title.split(";")[0].split(": loss")[0], fontsize=8.5, x=0.01, ha="left")
     style.save(figure, file)

@@ -11,6 +11,7 @@ import csv
 import json
 import math
 import sys
+import textwrap
 from pathlib import Path
 
 import style  # chooses matplotlib's backend
@@ -37,27 +38,45 @@ def front(rows: list[dict], cost: str) -> list[tuple[float, float]]:
 
 
 def draw_panel(panel, rows: list[dict], about: dict, cost: str, bars: bool) -> None:
+    low = lowest(rows, about)
     for number, curve in enumerate(dict.fromkeys(row["curve"] for row in rows)):
         own = [row for row in rows if row["curve"] == curve]
-        x, y = [float(row[cost]) for row in own], [float(row["error"]) for row in own]
+        x, y = [float(row[cost]) for row in own], [max(float(row["error"]), 1.2 * low) for row in own]
         colour = COLOURS[own[0]["solver"]] if curve in ("spacing", "reference") else style.FURTHER[number % len(style.FURTHER)]
         reach = None
         if bars:
             reach = [[a - float(row[f"{cost}_least"]) for a, row in zip(x, own)],
                      [float(row[f"{cost}_most"]) - a for a, row in zip(x, own)]]
         panel.errorbar(x, y, xerr=reach, color=colour, marker=MARKS[number % len(MARKS)], markersize=4, linewidth=0.7,
-                       elinewidth=0.8, label=f"{curve}: {about['curves'][curve]}")
+                       elinewidth=0.8, label=label(curve, own, about, low))
     for solver, colour in COLOURS.items():
         points = front([row for row in rows if row["solver"] == solver], cost)
+        points = [(x, max(y, 1.2 * low)) for x, y in points]
         panel.plot(*zip(*points), color=colour, linewidth=2.6, alpha=0.35, zorder=0) if points else None
     floor = max(about["truth_error"].values())
     panel.set(xscale="log", yscale="log")
-    low = 0.5 * min([float(row["error"]) for row in rows] + ([floor] if floor > 0.0 else []))
     panel.set_ylim(bottom=low)
     if floor > 0.0:
         panel.axhspan(low, floor, color="#d9d9d9", zorder=-1)
         panel.text(0.99, floor, "the truth's own error ", ha="right", va="top", fontsize=7,
                    transform=panel.get_yaxis_transform())
+
+
+def lowest(rows: list[dict], about: dict) -> float:
+    """Bottom of the picture: below every error, but not where one solver's round-off would squeeze the other's curves."""
+    floor = max(about["truth_error"].values())
+    least = [min(float(row["error"]) for row in rows if row["solver"] == solver)
+             for solver in {row["solver"] for row in rows}]
+    return max(0.5 * min(least + ([floor] if floor > 0.0 else [])), 0.02 * max(least))
+
+
+def label(curve: str, own: list[dict], about: dict, low: float) -> str:
+    """What the curve is; why it spans no decade, where it does not; how far below the picture it lies."""
+    text, span = f"{curve}: {about['curves'][curve]}", about.get("spans", {}).get(curve, {})
+    if "floor" in span and span.get("error", {}).get("factor", 10.0) < 10.0:
+        text += f"; levels off (dotted): {span['floor']}"
+    below = [float(row["error"]) for row in own if float(row["error"]) < low]
+    return textwrap.fill(text + (f"; below the picture, {max(below):.1e}" if below else ""), 120)
 
 
 def draw_floors(panel, rows: list[dict], about: dict) -> None:
@@ -67,8 +86,8 @@ def draw_floors(panel, rows: list[dict], about: dict) -> None:
         if "floor" not in one or len(own) < 3 or one.get("error", {}).get("factor", 10.0) >= 10.0:
             continue
         times, least = [float(row["processor_seconds"]) for row in own], one["error"]["least"]
-        panel.plot([min(times), max(times)], [least, least], color="#555555", linestyle=":", linewidth=1.0)
-        panel.text(max(times), least, f"{curve}: {one['floor']}", fontsize=5.5, color="#555555", va="top", ha="right")
+        if least > lowest(rows, about):
+            panel.plot([min(times), max(times)], [least, least], color="#555555", linestyle=":", linewidth=1.0)
 
 
 def draw_own(panel, rows: list[dict], about: dict) -> None:
@@ -86,8 +105,8 @@ def draw(rows: list[dict], about: dict, file: Path) -> None:
     curves = len({row["curve"] for row in rows})
     panels = ["time", "memory"] + (["own"] if any(row.get("error_own") for row in rows) else [])
     figure, axes = plt.subplot_mosaic([panels, ["legend"] * len(panels)], layout="constrained",
-                                      figsize=(0.625 * len(panels) * style.WIDTH, 4.8 + 0.17 * curves),
-                                      height_ratios=[4.8, 0.17 * curves])
+                                      figsize=(0.625 * len(panels) * style.WIDTH, 4.8 + 0.2 * curves),
+                                      height_ratios=[4.8, 0.2 * curves])
     left, right, legend = axes["time"], axes["memory"], axes["legend"]
     right.sharey(left)
     legend.axis("off")
