@@ -301,6 +301,11 @@ struct PlateCase {
   const char* law;  ///< derived law of EI: "springs", "cells" or "exact"
 };
 
+std::string key_of(const PlateCase& c) {
+  return fmt::format("{},{},{:g},{:g}", key_of(c.material), c.corrected ? "yes" : "no",
+                     c.angle_degrees, c.bend);
+}
+
 double derived_bending(const PlateCase& c, const Plate& plate) {
   const std::string law = c.law;
   if (law == "springs") return 0.75 * (plate.layers - 1.0) / plate.layers;
@@ -316,12 +321,30 @@ std::string plate_row(const PlateCase& c, int layers) {
   const std::string stretching = straight ? fmt::format("{:.5f}", stretching_ratio(plate)) : "";
   const std::string frequency =
       straight && c.material.dimension == 2 ? fmt::format("{:.5f}", frequency_ratio(plate)) : "";
-  return fmt::format("{},{},{},{:g},{:g},{},{},{:.5f},{},{:.5f}", key_of(c.material),
-                     c.corrected ? "yes" : "no", plate.width, c.angle_degrees, c.bend, layers,
-                     stretching, bending_ratio(plate), frequency, derived_bending(c, plate));
+  return fmt::format("{},{},{},{},{:.5f},{},{:.5f}", key_of(c), plate.width, layers, stretching,
+                     bending_ratio(plate), frequency, derived_bending(c, plate));
 }
 
-/// Plates of 2 and more layers, along the lattice, turned and bent, over the continuum.
+constexpr const char* bending_definition =
+    "Plates over the continuum of thickness n dx and of the table's bulk modulus in theory: "
+    "in the plane in plane strain, in space bars of n layers and `width` particles across. "
+    "angle_degrees: to the axes, the particles fitted to the plate; bend: thickness over the "
+    "radius of the middle line, compared with Golovin's curved bar. Stretching EA and "
+    "bending EI: static, dead forces or couples on the end rows, strain and change of slope "
+    "of the middle half, 16 n rows (in space 8 n). Frequency: first of the plate clamped at "
+    "one end, 10 n rows, over that of the Timoshenko beam (shear coefficient 5/6). Law: 0.75 "
+    "(n-1)/n for springs alone, the count of bonds with cells that keep their volume, 1 with "
+    "surface correction. One layer is a mechanism in bending and is refused.";
+
+std::vector<int> layers_of(const PlateCase& c) {
+  if (c.material.dimension == 3) return {2, 3, 4, 5, 6, 7, 8};
+  std::vector<int> layers{2, 3, 4, 5, 6, 7, 8, 10, 12};
+  if (c.angle_degrees == 0.0 && c.bend == 0.0) layers.insert(layers.end(), {16, 24, 32});
+  return layers;
+}
+
+/// Plates of 2 and more layers, along the lattice, turned and bent, over the continuum. A case is
+/// written as soon as it is measured; --resume keeps those of this very program.
 int bending(const Arguments& a) {
   const PlateCase cases[] = {{{2, sph::Bonds::equal, 0.0}, false, 0.0, 0.0, "springs"},
                              {{2, sph::Bonds::isotropic, 300.0}, false, 0.0, 0.0, "cells"},
@@ -334,40 +357,32 @@ int bending(const Arguments& a) {
                              {{3, sph::Bonds::isotropic, 300.0}, true, 0.0, 0.0, "exact"},
                              {{3, sph::Bonds::isotropic, 300.0}, true, 30.0, 0.0, "exact"},
                              {{3, sph::Bonds::isotropic, 300.0}, true, 0.0, 0.2, "exact"}};
-  const double began = wall_seconds();
-  Sheet sheet{
-      "dimension,bonds,area_stiffness,surface_correction,width,angle_degrees,bend,layers,"
-      "stretching,bending,frequency,law_bending",
-      {}};
-  const auto measured = [](const PlateCase& c, int n) {
-    if (c.material.dimension == 3) return n <= 8;
-    return n <= 12 || (c.angle_degrees == 0.0 && c.bend == 0.0);
+  const auto file = std::filesystem::path(a.out) / "bending.csv";
+  const std::string header =
+      "dimension,bonds,area_stiffness,surface_correction,angle_degrees,bend,width,layers,"
+      "stretching,bending,frequency,law_bending";
+  Sheet sheet = read_sheet(file);
+  if (sheet.header != header) sheet = {header, {}};
+  // A factorisation's work: of bands of width n in the plane, n^2 in space.
+  const auto cost = [](const PlateCase& c, int n) {
+    return std::pow(n, c.material.dimension == 2 ? 4 : 7);
   };
-  const std::vector<int> layers{2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 24, 32};
-  double whole = 0.0;
+  double whole = 0.0, done = 0.0;
   for (const PlateCase& c : cases)
-    for (const int n : layers) whole += measured(c, n);
+    for (const int n : layers_of(c)) whole += cost(c, n);
   Progress progress("bending", whole);
-  for (const PlateCase& c : cases)
-    for (const int n : layers) {
-      if (!measured(c, n)) continue;
-      sheet.rows.push_back(plate_row(c, n));
-      progress.advance(static_cast<double>(sheet.rows.size()), fmt::format("{} layers", n));
+  for (const PlateCase& c : cases) {
+    const std::string key = key_of(c);
+    const double began = wall_seconds();
+    const bool kept = a.resume && row_is_current(file, key);
+    if (!kept)
+      std::erase_if(sheet.rows, [&](const auto& row) { return row.starts_with(key + ","); });
+    for (const int n : layers_of(c)) {
+      if (!kept) sheet.rows.push_back(plate_row(c, n));
+      progress.advance(done += cost(c, n), fmt::format("{} layers", n));
     }
-  publish(
-      std::filesystem::path(a.out) / "bending.csv", sheet,
-      {a.command,
-       "Plates over the continuum of thickness n dx and of the table's bulk modulus in theory: "
-       "in the plane in plane strain, in space bars of n layers and `width` particles across. "
-       "angle_degrees: to the axes, the particles fitted to the plate; bend: thickness over the "
-       "radius of the middle line, compared with Golovin's curved bar. Stretching EA and "
-       "bending EI: static, dead forces or couples on the end rows, strain and change of slope "
-       "of the middle half, 16 n rows (in space 8 n). Frequency: first of the plate clamped at "
-       "one end, 10 n rows, over that of the Timoshenko beam (shear coefficient 5/6). Law: 0.75 "
-       "(n-1)/n for springs alone, the count of bonds with cells that keep their volume, 1 with "
-       "surface correction. One layer is a mechanism in bending and is refused.",
-       wall_seconds() - began,
-       {}});
+    if (!kept) publish(file, sheet, {a.command, bending_definition, wall_seconds() - began, {key}});
+  }
   return 0;
 }
 
@@ -575,7 +590,9 @@ int main(int argc, char** argv) {
   CLI::App& held = *app.add_subcommand("hold", "Poisson's ratio and volume of blocks under load");
   held.add_flag("--resume", a.resume, "keep rows that this very program has measured already");
   held.add_option("--seconds", a.seconds, "how long")->check(CLI::Range(0.1, 100.0));
-  app.add_subcommand("bending", "plates of few layers in stretching, bending and vibration");
+  CLI::App& plates =
+      *app.add_subcommand("bending", "plates of few layers in stretching, bending and vibration");
+  plates.add_flag("--resume", a.resume, "keep cases that this very program has measured already");
   return run_program(app, argc, argv, [&] {
     omp_set_num_threads(a.threads);
     if (app.got_subcommand("sweep")) return sweep(a);
