@@ -287,6 +287,34 @@ def poisson(rows: list[dict]):
     return figure
 
 
+def surface_layer(rows: list[dict]):
+    """Error of the density below a free face beside its derived decay; Poisson's ratio by the core's depth."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(style.WIDTH, 3.2), layout="constrained")
+    for ratio, name, marker, colour in ((1.0, "h = dx", "s", style.RUNS["paper"]), (1.3, "h = 1.3 dx", "^", style.FURTHER[0])):
+        chosen = sorted(where(rows, smoothing_length_ratio=ratio, layers=28), key=lambda r: r["layers_below_face"])
+        depth, error = column(chosen, "layers_below_face"), 100 * column(chosen, "density_error_over_strain")
+        left.plot(depth, error, marker, color=colour, ms=5, mfc="none", label=name)
+        # A decaying wave: two layers beyond the kernel's reach of the face say the rest.
+        factor = chosen[0]["decay_derived"] * np.exp(2j * np.pi / chosen[0]["period_derived"])
+        first = 2 if ratio == 1.0 else 3
+        derived = list(error[first:first + 2])
+        while len(derived) < len(error) - first:
+            derived.append(2 * factor.real * derived[-1] - abs(factor) ** 2 * derived[-2])
+        left.plot(depth[first:], derived, "-", color=colour, lw=0.9)
+    left.plot([], [], "-", color="grey", lw=0.9, label="derived from two layers")
+    left.axhline(0, color="grey", lw=0.6)
+    left.set(xlabel="layers below the face", ylabel="density error [% of the strain]", title="28 layers, pulled by 0.35 %")
+    left.legend(fontsize=7)
+    right.axhspan(0.495, 0.505, color="#dddddd", lw=0, zorder=0)
+    for layers, marker in ((10, "o"), (16, "v"), (20, "D"), (28, "s")):
+        chosen = sorted(where(rows, smoothing_length_ratio=1.0, layers=layers), key=lambda r: r["layers_below_face"])
+        right.plot(column(chosen, "layers_below_face"), column(chosen, "poisson_ratio"), marker + "-", ms=4, lw=0.8,
+                   mfc="none", label=f"{layers} layers")
+    right.set(xlabel="layers between face and core", ylabel="Poisson's ratio of the core", title="h = dx", xlim=(-0.3, 10.3))
+    right.legend(fontsize=7)
+    return figure
+
+
 def main() -> None:
     root = Path(__file__).resolve().parent.parent
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -309,6 +337,8 @@ def main() -> None:
                                                  read(judged) if judged.is_file() else [])
     if (tables / "poisson.csv").is_file():
         figures["poisson"] = poisson(read(tables / "poisson.csv"))
+    if (tables / "surface_layer.csv").is_file():
+        figures["surface_layer"] = surface_layer(read(tables / "surface_layer.csv"))
     out.mkdir(parents=True, exist_ok=True)
     for name, figure in figures.items():
         figure.savefig(out / f"{name}.png")
