@@ -165,6 +165,16 @@ struct Found {
       count += d2 < radius2;
     }
   }
+  /// Factor and value of the kernel at those found: a loop of its own over copies, which the
+  /// compiler turns into vector instructions.
+  void evaluate(const Kernel<dim> kernel, double volume) {
+    const std::size_t n = count;
+    for (std::size_t k = 0; k < n; ++k) {
+      const double r = std::sqrt(distance2[k]);
+      factor[k] = kernel.gradient_factor(r);
+      value[k] = volume * kernel.value(r);
+    }
+  }
   /// Takes one point out of those found from `first` on, if it is there.
   void remove(std::int32_t point, std::size_t first) {
     for (std::size_t k = first; k < count; ++k)
@@ -198,25 +208,30 @@ void for_each_row(const CellGrid<dim>& grid, const Vector<dim>& x, double radius
       if (c[d] + step < 0 || c[d] + step >= grid.extent[d])
         gap2[d][k] = std::numeric_limits<double>::infinity();
     }
+  // Squared distance of x from each row, and half the row's chord in cells, in a loop without
+  // branches.
+  constexpr int all = dim == 2 ? rows : rows * rows;
+  std::array<double, all> off2, half;
+  for (int k = 0; k < all; ++k)
+    off2[k] = dim == 2 ? gap2[1][k] : gap2[1][k / rows] + gap2[dim - 1][k % rows];
+  for (int k = 0; k < all; ++k)
+    half[k] = std::sqrt(std::max(radius2 - off2[k], 0.0)) * grid.inverse_cell;
   const double from_origin = (x[0] - grid.origin[0]) * grid.inverse_cell;
   const double last_cell = grid.extent[0] - 1;
-  const auto visit_row = [&](std::array<int, dim> row, double off2, bool own) {
-    if (!(off2 < radius2)) return;
-    const double half = std::sqrt(radius2 - off2) * grid.inverse_cell;
+  for (int k = 0; k < all; ++k) {
+    if (!(off2[k] < radius2)) continue;
+    std::array<int, dim> row = c;
     // Rounded down by the conversion, which a clamped place allows.
-    row[0] = static_cast<int>(std::clamp(from_origin - half, 0.0, last_cell));
-    const int first = grid.number(row);
-    const int count = static_cast<int>(std::clamp(from_origin + half, 0.0, last_cell)) - row[0];
-    visit(first, first + count, own);
-  };
-  for (int ky = 0; ky < rows; ++ky) {
+    row[0] = static_cast<int>(std::clamp(from_origin - half[k], 0.0, last_cell));
     if constexpr (dim == 2) {
-      visit_row({0, c[1] + ky - reach}, gap2[1][ky], ky == reach);
+      row[1] += k - reach;
     } else {
-      for (int kz = 0; kz < rows; ++kz)
-        visit_row({0, c[1] + ky - reach, c[2] + kz - reach}, gap2[1][ky] + gap2[2][kz],
-                  ky == reach && kz == reach);
+      row[1] += k / rows - reach;
+      row[2] += k % rows - reach;
     }
+    const int first = grid.number(row);
+    const int count = static_cast<int>(std::clamp(from_origin + half[k], 0.0, last_cell)) - row[0];
+    visit(first, first + count, k == all / 2);
   }
 }
 
@@ -302,12 +317,7 @@ void Support<dim>::collect(const Kernel<dim>& kernel, std::span<const Vector<dim
         found.overfull = true;
         found.count = 0;
       }
-      // In a loop of its own, which the compiler turns into vector instructions.
-      for (std::size_t k = 0; k < found.count; ++k) {
-        const double r = std::sqrt(found.distance2[k]);
-        found.factor[k] = kernel.gradient_factor(r);
-        found.value[k] = volume * kernel.value(r);
-      }
+      found.evaluate(kernel, volume);
       const auto block_first = static_cast<std::int32_t>(i - i % support_block);
       const std::array<std::int32_t, 4> limit{
           std::min(block_first, owners), self,

@@ -90,7 +90,7 @@ Numerics read_numerics(Document& document) {
   choose(table, "position_update", {"mean_velocity", "new_velocity"}, n.position_update);
   choose(table, "shifting", {"none", "xu", "fickian", "sliding"}, n.shifting);
   n.shifting_coefficient = default_coefficient(n.shifting);
-  read_between(table, "shifting_coefficient", 0.0, 1.0, n.shifting_coefficient);
+  read_between(table, "shifting_coefficient", 0.0, 10.0, n.shifting_coefficient);
   read_between(table, "density_feedback", 0.0, 100.0, n.density_feedback);
   read_between(table, "pressure_tolerance", 1e-14, 0.5, n.pressure_tolerance);
   choose(table, "pressure_solver",

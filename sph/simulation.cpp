@@ -1,7 +1,6 @@
 #include "sph/simulation.hpp"
 
 #include "scene/progress.hpp"
-#include "sph/symmetric_form.hpp"
 
 #include <Eigen/LU>
 
@@ -243,21 +242,21 @@ void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
                                  std::vector<double>& result) {
   const auto& particles = state_.particles;
   const auto& points = state_.images.points();
-  state_.images.extend_for_divergence(velocity, extended_velocity_);
+  state_.images.extend_for_divergence(velocity, state_.extended_velocity);
   const std::size_t n = particles.unknowns;
   result.resize(n);
   const bool corrected = !state_.gradient_correction.empty();
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
     const auto near = state_.support.of(i);
-    const Vector<dim> u = extended_velocity_[i], x = points[i];
+    const Vector<dim> u = state_.extended_velocity[i], x = points[i];
     if (corrected) {
-      const Matrix<dim> correction = state_.gradient_correction[i];
+      const SymmetricMatrix<dim> correction = state_.gradient_correction[i];
       double sum = 0.0;
       for (std::size_t k = 0; k < near.index.size(); ++k) {
         const Vector<dim> r = x - points[near.index[k]];
-        const Vector<dim> du = extended_velocity_[near.index[k]] - u;
-        sum += near.gradient_factor[k] * du.dot(correction.lazyProduct(r));
+        const Vector<dim> du = state_.extended_velocity[near.index[k]] - u;
+        sum += near.gradient_factor[k] * du.dot(correction * r);
       }
       result[i] = particles.volume * sum;
       continue;
@@ -265,7 +264,7 @@ void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
     double sum = 0.0;
     for (std::size_t k = 0; k < near.index.size(); ++k)
       sum += near.gradient_factor[k] *
-             (extended_velocity_[near.index[k]] - u).dot(x - points[near.index[k]]);
+             (state_.extended_velocity[near.index[k]] - u).dot(x - points[near.index[k]]);
     result[i] = particles.volume * sum;
   }
 }
@@ -288,29 +287,32 @@ void Simulation<dim>::correct_gradients() {
   if (!numerics_.gradient_correction) return;
   const auto& particles = state_.particles;
   const auto& points = state_.images.points();
+  const SymmetricMatrix<dim> one(Matrix<dim>::Identity());
   state_.gradient_correction.resize(particles.unknowns);
-  // Prescribed particles have none of their own.
-  state_.laplacian_correction.assign(particles.size(), Matrix<dim>::Identity());
+  state_.laplacian_correction.resize(particles.size());
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < particles.unknowns; ++i) {
     const auto near = state_.support.of(i);
-    OuterProductSum<dim> outer;
+    SymmetricMatrix<dim> outer;
     for (std::size_t k = 0; k < near.index.size(); ++k)
       outer.add(near.gradient_factor[k], points[i] - points[near.index[k]]);
-    const Matrix<dim> moment = -particles.volume * outer.sum();
+    const Matrix<dim> moment = -particles.volume * outer.full();
     constexpr double least_determinant = 0.2;  // of the whole lattice's 1
     if (moment.determinant() <= least_determinant) {
-      state_.gradient_correction[i] = Matrix<dim>::Identity();
+      state_.gradient_correction[i] = state_.laplacian_correction[i] = one;
       continue;
     }
-    state_.gradient_correction[i] = moment.inverse();
+    state_.gradient_correction[i] = SymmetricMatrix<dim>(moment.inverse());
     const double mean = moment.trace() / dim;
     const Matrix<dim> uneven = moment - mean * Matrix<dim>::Identity();
     const double strength = 0.5 * (dim + 2) / (mean * mean);
-    state_.laplacian_correction[i] =
+    state_.laplacian_correction[i] = SymmetricMatrix<dim>(
         (1.0 + strength * uneven.squaredNorm() / dim) / mean * Matrix<dim>::Identity() -
-        strength * uneven;
+        strength * uneven);
   }
+  // Prescribed particles have none of their own.
+  std::fill(state_.laplacian_correction.begin() + particles.unknowns,
+            state_.laplacian_correction.end(), one);
 }
 
 /// Number of particles inside the domain; one that straddles an open side counts by the part of its

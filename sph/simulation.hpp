@@ -142,7 +142,6 @@ class Simulation {
 
   std::vector<Vector<dim>> acceleration_;
   std::vector<Vector<dim>> displacement_;
-  std::vector<Vector<dim>> extended_velocity_;
   std::vector<double> source_;
 };
 

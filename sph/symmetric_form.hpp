@@ -4,46 +4,87 @@
 
 #include "sph/vector.hpp"
 
+#include <array>
+#include <cstddef>
+
 namespace sprung::sph {
 
 template <int dim>
 using Matrix = Eigen::Matrix<double, dim, dim>;
 
-/// r . A r of a symmetric A, of which the lower triangle is read.
+/// A symmetric matrix, its lower triangle row by row: xx, xy, yy, xz, yz, zz.
 template <int dim>
-double quadratic_form(const Matrix<dim>& A, const Vector<dim>& r) {
-  double form = A(0, 0) * r[0] * r[0] + A(1, 1) * r[1] * r[1] + 2.0 * A(1, 0) * r[0] * r[1];
-  if constexpr (dim == 3)
-    form += A(2, 2) * r[2] * r[2] + 2.0 * (A(2, 0) * r[0] + A(2, 1) * r[1]) * r[2];
-  return form;
-}
+class SymmetricMatrix {
+ public:
+  SymmetricMatrix() = default;  ///< zero
+  /// Of `full`, symmetric but for rounding, the lower triangle.
+  explicit SymmetricMatrix(const Matrix<dim>& full) {
+    for (int i = 0, k = 0; i < dim; ++i)
+      for (int j = 0; j <= i; ++j, ++k) a_[k] = full(i, j);
+  }
+  Matrix<dim> full() const {
+    Matrix<dim> m;
+    if constexpr (dim == 2)
+      m << a_[0], a_[1], a_[1], a_[2];
+    else
+      m << a_[0], a_[1], a_[3], a_[1], a_[2], a_[4], a_[3], a_[4], a_[5];
+    return m;
+  }
+  /// Adds f r r^T.
+  void add(double f, const Vector<dim>& r) {
+    const double x = f * r[0], y = f * r[1];
+    a_[0] += x * r[0];
+    a_[1] += x * r[1];
+    a_[2] += y * r[1];
+    if constexpr (dim == 3) {
+      a_[3] += x * r[2];
+      a_[4] += y * r[2];
+      a_[5] += f * r[2] * r[2];
+    }
+  }
+  SymmetricMatrix operator+(const SymmetricMatrix& b) const {
+    SymmetricMatrix sum;
+    for (std::size_t k = 0; k < a_.size(); ++k) sum.a_[k] = a_[k] + b.a_[k];
+    return sum;
+  }
+  /// r . A r.
+  double form(const Vector<dim>& r) const {
+    double sum = a_[0] * r[0] * r[0] + a_[2] * r[1] * r[1] + 2.0 * a_[1] * r[0] * r[1];
+    if constexpr (dim == 3) sum += a_[5] * r[2] * r[2] + 2.0 * (a_[3] * r[0] + a_[4] * r[1]) * r[2];
+    return sum;
+  }
+  Vector<dim> operator*(const Vector<dim>& r) const {
+    if constexpr (dim == 2)
+      return {a_[0] * r[0] + a_[1] * r[1], a_[1] * r[0] + a_[2] * r[1]};
+    else
+      return {a_[0] * r[0] + a_[1] * r[1] + a_[3] * r[2],
+              a_[1] * r[0] + a_[2] * r[1] + a_[4] * r[2],
+              a_[3] * r[0] + a_[4] * r[1] + a_[5] * r[2]};
+  }
 
-/// Adds up f r r^T, one triangle of it.
+ private:
+  std::array<double, dim*(dim + 1) / 2> a_{};
+};
+
+/// Adds up f a b^T.
 template <int dim>
 class OuterProductSum {
  public:
-  void add(double f, const Vector<dim>& r) {
-    const double x = f * r[0], y = f * r[1];
-    xx_ += x * r[0];
-    xy_ += x * r[1];
-    yy_ += y * r[1];
-    if constexpr (dim == 3) {
-      xz_ += x * r[2];
-      yz_ += y * r[2];
-      zz_ += f * r[2] * r[2];
+  void add(double f, const Vector<dim>& a, const Vector<dim>& b) {
+    for (int i = 0; i < dim; ++i) {
+      const double fa = f * a[i];
+      for (int j = 0; j < dim; ++j) m_[i * dim + j] += fa * b[j];
     }
   }
   Matrix<dim> sum() const {
     Matrix<dim> m;
-    if constexpr (dim == 2)
-      m << xx_, xy_, xy_, yy_;
-    else
-      m << xx_, xy_, xz_, xy_, yy_, yz_, xz_, yz_, zz_;
+    for (int i = 0; i < dim; ++i)
+      for (int j = 0; j < dim; ++j) m(i, j) = m_[i * dim + j];
     return m;
   }
 
  private:
-  double xx_ = 0.0, xy_ = 0.0, yy_ = 0.0, xz_ = 0.0, yz_ = 0.0, zz_ = 0.0;
+  std::array<double, dim * dim> m_{};
 };
 
 }  // namespace sprung::sph

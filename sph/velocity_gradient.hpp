@@ -2,7 +2,6 @@
 /// The velocity's gradient at a particle.
 
 #include "sph/effects/roles.hpp"
-#include "sph/symmetric_form.hpp"
 
 namespace sprung::sph {
 
@@ -13,15 +12,15 @@ Matrix<dim> velocity_gradient(const State<dim>& state, const std::vector<Vector<
                               std::size_t i) {
   const auto& points = state.images.points();
   const auto near = state.support.of(i);
-  Matrix<dim> sum = Matrix<dim>::Zero();
+  const Vector<dim> x = points[i], u = extended[i];
+  OuterProductSum<dim> sum;
   for (std::size_t k = 0; k < near.index.size(); ++k) {
     const std::int32_t j = near.index[k];
-    sum +=
-        near.gradient_factor[k] * (extended[j] - extended[i]) * (points[i] - points[j]).transpose();
+    sum.add(near.gradient_factor[k], extended[j] - u, x - points[j]);
   }
-  sum *= state.particles.volume;
-  if (state.gradient_correction.empty()) return sum;
-  return sum * state.gradient_correction[i].transpose();
+  const Matrix<dim> gradient = state.particles.volume * sum.sum();
+  if (state.gradient_correction.empty()) return gradient;
+  return gradient * state.gradient_correction[i].full();
 }
 
 }  // namespace sprung::sph

@@ -1,6 +1,7 @@
 #include "sph/boundary/triangulated_surface.hpp"
 
-#include "scene/gmsh_session.hpp"
+#include "sph/boundary/gmsh_triangles.hpp"
+#include "sph/on_demand.hpp"
 
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
@@ -164,20 +165,11 @@ std::optional<TriangulatedSurface::Nearest> TriangulatedSurface::nearest(const V
 }
 
 TriangulatedSurface TriangulatedSurface::read(const std::filesystem::path& file) {
-  std::vector<std::size_t> tags, nodes;
-  std::vector<double> coordinates, parametric;
-  try {
-    const GmshSession session;
-    gmsh::merge(file.string());
-    gmsh::model::mesh::removeDuplicateNodes();
-    gmsh::model::mesh::getNodes(tags, coordinates, parametric);
-    std::vector<std::size_t> elements;
-    gmsh::model::mesh::getElementsByType(2, elements, nodes);
-  } catch (const std::exception& error) {
-    throw std::runtime_error(file.string() + ": Gmsh cannot read it: " + error.what());
-  } catch (...) {  // Gmsh throws numbers and texts as well
-    throw std::runtime_error(file.string() + ": Gmsh cannot read it");
-  }
+  FileTriangles found;
+  on_demand<decltype(read_gmsh_triangles)>("sprung-gmsh", "read_gmsh_triangles")(file.c_str(),
+                                                                                 found);
+  if (!found.fault.empty()) throw std::runtime_error(file.string() + ": " + found.fault);
+  const auto& [tags, coordinates, nodes, fault] = found;
   if (nodes.empty()) throw std::runtime_error(file.string() + ": holds no triangle");
   std::map<std::size_t, int> index;
   std::vector<Vector<3>> points;

@@ -34,7 +34,7 @@ void CarreauYasudaLaw<dim>::update(const State<dim>& state,
           near.gradient_factor[k] * (ratio_[s] - ratio_[i]) * (points[i] - points[near.index[k]]);
     }
     sum *= particles.volume;
-    ratio_gradient_[i] = corrected ? Vector<dim>(state.gradient_correction[i] * sum) : sum;
+    ratio_gradient_[i] = corrected ? state.gradient_correction[i] * sum : sum;
   }
 }
 

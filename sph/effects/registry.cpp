@@ -243,15 +243,15 @@ bool add_shifting(ParticleScene<dim>& scene, const ModulusTable&) {
   if (numerics.shifting == Shifting::none) return false;
   const double c = numerics.shifting_coefficient;
   std::unique_ptr<Motion<dim>> effect;
-  std::string name = "Xu et al. 2009";
+  std::string name = "Lind et al. 2012";
   if (numerics.shifting == Shifting::xu) {
     effect = std::make_unique<ShiftingEffect<dim, XuDirection>>(c);
+    name = "Xu et al. 2009";
   } else if (numerics.shifting == Shifting::sliding) {
     effect = std::make_unique<ShiftingEffect<dim, SlidingDirection>>(c);
     name += " at the speed of sliding";
   } else {
     effect = std::make_unique<ShiftingEffect<dim, FickianDirection>>(c);
-    name = "Lind et al. 2012";
   }
   simulation.effects().motion.push_back(std::move(effect));
   scene.effects.push_back(fmt::format("shifting: numerics, {}, C = {}", name, c));

@@ -4,6 +4,7 @@
 
 #include "sph/boundary/images.hpp"
 #include "sph/neighbours.hpp"
+#include "sph/symmetric_form.hpp"
 
 #include <cmath>
 #include <limits>
@@ -32,10 +33,12 @@ struct State {
   /// The rest of a uniform force per mass, which drives the flow, in the last step, m/s2.
   Vector<dim> driving_acceleration = Vector<dim>::Zero();
   /// L_i, to be applied to a particle's sums over V F r; empty without gradient correction.
-  std::vector<Eigen::Matrix<double, dim, dim>> gradient_correction = {};
+  std::vector<SymmetricMatrix<dim>> gradient_correction = {};
   /// A_i: a pair's term of the viscous sum counts e . (A_i + A_j)/2 e, e along the pair; empty
   /// without gradient correction. See Simulation::correct_gradients.
-  std::vector<Eigen::Matrix<double, dim, dim>> laplacian_correction = {};
+  std::vector<SymmetricMatrix<dim>> laplacian_correction = {};
+  /// Scratch of one sweep at a time: velocities of particles and images, m/s.
+  mutable std::vector<Vector<dim>> extended_velocity = {};
   /// p in Pa of particle i.
   double pressure(std::size_t i) const {
     return particles.density *
@@ -67,9 +70,9 @@ struct FastestMode {
   double frequency = 0.0;  ///< rad/s, of springs moved with the new velocity
 };
 
-/// Largest step (s) that holds both, infinite without either. A mode that both act on turns its sign
-/// from step to step, the first to become unstable, when r dt + (w dt / 2)^2 = 1: put z = -1 into
-/// u' = u - r dt (3/2 u - 1/2 u_before) - w^2 dt x, x' = x + dt u'.
+/// Largest step (s) that holds both, infinite without either. A mode that both act on turns its
+/// sign from step to step, the first to become unstable, when r dt + (w dt / 2)^2 = 1: put z = -1
+/// into u' = u - r dt (3/2 u - 1/2 u_before) - w^2 dt x, x' = x + dt u'.
 inline double stable_time_step(const FastestMode& mode) {
   return 2.0 / (mode.decay + std::hypot(mode.decay, mode.frequency));
 }

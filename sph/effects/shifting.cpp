@@ -24,14 +24,15 @@ Vector<dim> ShiftingEffect<dim, Direction>::direction(
     mean_distance /= static_cast<double>(near.index.size());
     return mean_distance * mean_distance * sum;
   } else {
-    const double volume = state.particles.volume;
-    const double inverse = 1.0 / state.kernel.value(state.particles.spacing);
+    const Kernel<dim> kernel = state.kernel;
+    const double inverse = 1.0 / kernel.value(state.particles.spacing);
     for (std::size_t k = 0; k < near.index.size(); ++k) {
       const Vector<dim> r = points[i] - points[near.index[k]];
-      const double ratio2 = std::pow(inverse * state.kernel.value(r.norm()), 2);
-      sum -= volume * (1.0 + 0.2 * ratio2 * ratio2) * near.gradient_factor[k] * r;
+      const double ratio = inverse * kernel.value(std::sqrt(r.squaredNorm()));
+      const double ratio2 = ratio * ratio;
+      sum -= (1.0 + 0.2 * ratio2 * ratio2) * near.gradient_factor[k] * r;
     }
-    return state.kernel.smoothing_length() * sum;
+    return kernel.smoothing_length() * state.particles.volume * sum;
   }
 }
 
@@ -39,7 +40,8 @@ template <int dim, typename Direction>
 void ShiftingEffect<dim, Direction>::add_displacement(State<dim>& state,
                                                       std::vector<Vector<dim>>& displacement) {
   auto& particles = state.particles;
-  state.images.extend_for_viscosity(particles.velocity, extended_velocity_);
+  auto& extended = state.extended_velocity;
+  state.images.extend_for_viscosity(particles.velocity, extended);
   constexpr bool local = std::is_same_v<Direction, SlidingDirection>;
   const double dt = state.clock.time_step, h = state.kernel.smoothing_length();
   double fastest2 = 0.0;
@@ -53,7 +55,7 @@ void ShiftingEffect<dim, Direction>::add_displacement(State<dim>& state,
   for (std::size_t i = particles.solids; i < n; ++i) {
     const auto near = state.support.of(i);
     if (near.index.empty()) continue;
-    const Matrix<dim> gradient = velocity_gradient(state, extended_velocity_, i);
+    const Matrix<dim> gradient = velocity_gradient(state, extended, i);
     const double speed = local ? h * gradient.norm() : std::sqrt(fastest2);
     Vector<dim> shift = coefficient_ * speed * dt * direction(state, i, near);
     const double length = shift.norm();

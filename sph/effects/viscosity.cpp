@@ -1,7 +1,5 @@
 #include "sph/effects/viscosity.hpp"
 
-#include "sph/symmetric_form.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -21,7 +19,8 @@ template <int dim, class Law>
 void ViscosityEffect<dim, Law>::add_acceleration(const State<dim>& state,
                                                  std::vector<Vector<dim>>& acceleration) {
   const auto& particles = state.particles;
-  state.images.extend_for_viscosity(particles.velocity, extended_velocity_);
+  auto& extended = state.extended_velocity;
+  state.images.extend_for_viscosity(particles.velocity, extended);
   // Adams-Bashforth for a step that may differ from the one before; 3/2 and 1/2 for equal steps.
   // The first step has no past and is taken forward in time.
   const Clock& clock = state.clock;
@@ -32,16 +31,16 @@ void ViscosityEffect<dim, Law>::add_acceleration(const State<dim>& state,
   const double scale = -2.0 * nu_ * particles.volume;
   const std::size_t n = particles.unknowns;
   if (surface_) surface_->update(state);
-  law_.update(state, extended_velocity_);
+  law_.update(state, extended);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
     const auto neighbours = state.support.of(i);
-    const Vector<dim> u_i = extended_velocity_[i];
+    const Vector<dim> u_i = extended[i];
     Vector<dim> sum = Vector<dim>::Zero();
     if (state.laplacian_correction.empty())
       for (std::size_t k = 0; k < neighbours.index.size(); ++k)
         sum += law_.of_pair(state, i, neighbours.index[k]) * neighbours.gradient_factor[k] *
-               (u_i - extended_velocity_[neighbours.index[k]]);
+               (u_i - extended[neighbours.index[k]]);
     else
       sum = corrected_sum(state, i, neighbours);
     if (surface_) sum += beyond_surface(state, i, neighbours);
@@ -59,17 +58,18 @@ Vector<dim> ViscosityEffect<dim, Law>::corrected_sum(
     const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
   const auto& points = state.images.points();
   const auto& correction = state.laplacian_correction;
-  const Matrix<dim> own = correction[i];
-  const Vector<dim> u_i = extended_velocity_[i];
+  const auto& extended = state.extended_velocity;
+  const SymmetricMatrix<dim> own = correction[i];
+  const Vector<dim> u_i = extended[i];
   Vector<dim> sum = Vector<dim>::Zero();
   const std::size_t inner = state.support.inner(i).index.size();
   for (std::size_t k = 0; k < near.index.size(); ++k) {
     const std::int32_t j = near.index[k];
     const Vector<dim> r = points[i] - points[j];
     const auto& other = correction[k < inner ? j : state.images.source(j)];
-    const double form = quadratic_form<dim>(own, r) + quadratic_form<dim>(other, r);
+    const double form = (own + other).form(r);
     sum += (law_.of_pair(state, i, j) * 0.5 * form / r.squaredNorm() * near.gradient_factor[k]) *
-           (u_i - extended_velocity_[j]);
+           (u_i - extended[j]);
   }
   return sum;
 }
@@ -89,15 +89,15 @@ Vector<dim> ViscosityEffect<dim, Law>::beyond_surface(
     const std::size_t f = solid ? j : i, s = solid ? i : j;
     const double more = surface_->reach(f, points[f] - points[s]) - 1.0;
     sum += law_.of_pair(state, i, near.index[k]) * more * near.gradient_factor[k] *
-           (extended_velocity_[i] - extended_velocity_[j]);
+           (state.extended_velocity[i] - state.extended_velocity[j]);
   }
   return sum;
 }
 
 /// What the pairs across bodies' surfaces add to the fastest decay (1/s), at most: the largest sum
-/// of both particles' rates over these pairs (Anderson & Morley 1985, Linear Multilinear Algebra 18,
-/// for a graph's Laplacian). A fluid particle a quarter of a spacing from a face feels pairs up to
-/// five times as strong as elsewhere.
+/// of both particles' rates over these pairs (Anderson & Morley 1985, Linear Multilinear Algebra
+/// 18, for a graph's Laplacian). A fluid particle a quarter of a spacing from a face feels pairs up
+/// to five times as strong as elsewhere.
 template <int dim, class Law>
 double ViscosityEffect<dim, Law>::rate_beyond_surface(const State<dim>& state) const {
   surface_->update(state);
@@ -121,9 +121,8 @@ double ViscosityEffect<dim, Law>::rate_beyond_surface(const State<dim>& state) c
     rate_[f] += pair;
   });
   double most = 0.0;
-  for_each_pair([&](std::size_t s, std::size_t f, double) {
-    most = std::max(most, rate_[s] + rate_[f]);
-  });
+  for_each_pair(
+      [&](std::size_t s, std::size_t f, double) { most = std::max(most, rate_[s] + rate_[f]); });
   return most;
 }
 

@@ -41,8 +41,7 @@ class ViscosityEffect final : public Acceleration<dim>, public TimeStepLimit<dim
   Law law_;
   std::shared_ptr<SolidSurface<dim>> surface_;
   std::vector<Vector<dim>> previous_diffusion_;  ///< D of the step before, zero before the first
-  std::vector<Vector<dim>> extended_velocity_;
-  mutable std::vector<double> rate_;  ///< of rate_beyond_surface
+  mutable std::vector<double> rate_;             ///< of rate_beyond_surface
 };
 
 }  // namespace sprung::sph

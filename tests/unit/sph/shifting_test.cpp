@@ -89,8 +89,8 @@ TEST(Shifting, SendsAParticleBackToItsSite) {
   expect_sent_back<3, FickianDirection>();
 }
 
-// Xu's shift with h |grad u| in the place of u_max: in a shear u = (g y, 0), of which corrected
-// gradients are exact, |grad u| = g; where nothing slides, nothing is shifted.
+// Fickian shifting with h |grad u| in the place of u_max: in a shear u = (g y, 0), of which
+// corrected gradients are exact, |grad u| = g; where nothing slides, nothing is shifted.
 TEST(Shifting, FollowsTheSliding) {
   auto simulation = block<2>(0.2, Vector<2>::Zero(), 0.001);
   for (const auto& shift : shifts<2, SlidingDirection>(simulation))
@@ -105,11 +105,11 @@ TEST(Shifting, FollowsTheSliding) {
   const std::size_t i = middle_now(simulation);
   const Vector<2> sliding = shifts<2, SlidingDirection>(simulation)[i];
   state.particles.velocity = velocity;
-  const Vector<2> xu = shifts<2, XuDirection>(simulation)[i];
+  const Vector<2> fickian = shifts<2, FickianDirection>(simulation)[i];
   const double ratio = SlidingDirection::default_coefficient * state.kernel.smoothing_length() *
-                       rate / (XuDirection::default_coefficient * fastest);
-  EXPECT_GT(xu.norm(), 1e-6 * dx);
-  EXPECT_LT((sliding - ratio * xu).norm(), 1e-10 * xu.norm());
+                       rate / (FickianDirection::default_coefficient * fastest);
+  EXPECT_GT(fickian.norm(), 1e-6 * dx);
+  EXPECT_LT((sliding - ratio * fickian).norm(), 1e-10 * fickian.norm());
 }
 
 // The published formulas, summed over all particles and their periodic copies.
