@@ -147,6 +147,10 @@ class Recommendations(unittest.TestCase):
         self.assertAlmostEqual(recommend.spacing_of(found.setting), 0.3 / 48)  # 6.25 mm, the next finer than 6.35
         self.assertAlmostEqual(found.time, 64.0 * (4.0 / 6.25) ** 3, delta=1e-6)
 
+    def test_a_channel_made_for_one_spacing_does_not_go_with_another(self):
+        setting = 'sph.spacing="7 mm" domain.channel={ from = ["0 m", "0 m"], to = ["2.198 m", "0.41 m"] } numerics.courant=0.2'
+        self.assertEqual(recommend.with_spacing(setting, 0.005), 'sph.spacing="5 mm" numerics.courant=0.2')
+
     def test_a_budget_is_kept_with_the_spread_of_the_repeats(self):
         found = recommend.for_time(self.TABLE, "particles", 16.1 * 1.02, 0.0, ANY)
         self.assertAlmostEqual(found.error, 0.02, delta=1e-4)

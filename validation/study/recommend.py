@@ -117,6 +117,8 @@ def spacing_of(setting: str) -> float | None:
 
 
 def with_spacing(setting: str, spacing: float) -> str:
+    """The setting at another spacing, which divides the scene's own channel: one made to fit a spacing goes."""
+    setting = re.sub(r" ?domain\.channel=\{[^}]*\}", "", setting)
     return re.sub(r'sph\.spacing="[^"]+"', f'sph.spacing="{1e3 * spacing:.12g} mm"', setting)
 
 
