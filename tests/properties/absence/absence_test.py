@@ -48,6 +48,14 @@ class Absence(unittest.TestCase):
             self.assertTrue(re.search(rf"\b{name}\b", linked), f"{name} is not in {LINKED.name}")
             self.assertFalse(re.search(rf"\b{name}\b", alone), f"{name} is in {ALONE.name}")
 
+    def test_allocations_of_a_step_are_the_same(self):
+        counts = []
+        for program in (ALONE, LINKED):
+            said = subprocess.run([program.resolve()], capture_output=True, text=True, env=ENVIRONMENT, check=True).stdout
+            counts.append(int(re.search(r"^allocations (\d+)$", said, re.MULTILINE)[1]))
+        print(f"{counts[0]} and {counts[1]} calls of operator new in three steps")
+        self.assertEqual(*counts)
+
     def test_instructions_and_bits_are_the_same(self):
         alone, said = instructions_and_answer(ALONE)
         linked, said_linked = instructions_and_answer(LINKED)
