@@ -256,7 +256,7 @@ void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
       for (std::size_t k = 0; k < near.index.size(); ++k) {
         const Vector<dim> r = x - points[near.index[k]];
         const Vector<dim> du = state_.extended_velocity[near.index[k]] - u;
-        sum += near.gradient_factor[k] * du.dot(correction * r);
+        sum += near.gradient_factor[k] * correction.form(du, r);
       }
       result[i] = particles.volume * sum;
       continue;

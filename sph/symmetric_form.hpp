@@ -53,6 +53,15 @@ class SymmetricMatrix {
     if constexpr (dim == 3) sum += a_[5] * r[2] * r[2] + 2.0 * (a_[3] * r[0] + a_[4] * r[1]) * r[2];
     return sum;
   }
+  /// a . A b.
+  double form(const Vector<dim>& a, const Vector<dim>& b) const {
+    if constexpr (dim == 2)
+      return a[0] * (a_[0] * b[0] + a_[1] * b[1]) + a[1] * (a_[1] * b[0] + a_[2] * b[1]);
+    else
+      return a[0] * (a_[0] * b[0] + a_[1] * b[1] + a_[3] * b[2]) +
+             a[1] * (a_[1] * b[0] + a_[2] * b[1] + a_[4] * b[2]) +
+             a[2] * (a_[3] * b[0] + a_[4] * b[1] + a_[5] * b[2]);
+  }
   Vector<dim> operator*(const Vector<dim>& r) const {
     if constexpr (dim == 2)
       return {a_[0] * r[0] + a_[1] * r[1], a_[1] * r[0] + a_[2] * r[1]};
