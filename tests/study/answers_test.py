@@ -67,6 +67,7 @@ class Plans(unittest.TestCase):
                                ("[truth]", "[trutj]", "[truth] has one of"),
                                ("quick = [0, 2]", "quick = [0, 9]", "point 9"),
                                ("limit = 0", "limit = 7", "limit names point 7"),
+                               ("limit = 0", 'twin = "mesh"', "twin names no point: mesh"),
                                ("repeats = [3, 3,", "repeats = [3,", "repeats has 6 numbers for 7 points"),
                                ("repeats = 3", "repeats = ", "cost.toml")):
             with tempfile.TemporaryDirectory() as folder, self.subTest(by):
@@ -216,6 +217,16 @@ points = [{points}]
                 one = self.case(Path(folder), "one", {8: 0.16, 4: 0.08, 2: 0.048, 1: 0.02})
                 other = self.case(Path(folder), "other", {8: 0.16 * off, 3: 0.5, 1: 0.02})
                 self.assertEqual(recommend.check(one, other), within)
+
+    def test_a_pair_at_equal_spacing(self):
+        with tempfile.TemporaryDirectory() as folder:
+            case = self.case(Path(folder), "one", {8: 0.16, 4: 0.08, 2: 0.04})
+            self.assertEqual(recommend.at_equal_spacing(case), "")
+            with (case / "cost.toml").open("a") as plan:
+                plan.write('[curve.equal]\nsays = "nodes"\nsolver = "reference"\npoints = [["a"]]\ntwin = "spacing.1"\n')
+            with (case / "records" / "cost_study.csv").open("a") as table:
+                table.write("equal,0,reference,a,0.01,0.25,0.25,0.25,1\n")
+            self.assertIn("the particles take 2 times as long", recommend.at_equal_spacing(case))  # 8/4^2 = 0.5 s
 
     def test_nothing_in_common_is_told(self):
         with tempfile.TemporaryDirectory() as folder:

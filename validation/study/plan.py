@@ -15,7 +15,8 @@ cost.toml:
                          lists of overrides), each with a record of its own; quick (numbers of the points that --quick
                          takes); limit (number of the point with the finest of what the curve changes: the others'
                          distance from it is what that choice alone costs); floor, in words why the curve's errors
-                         span no decade, where they do not
+                         span no decade, where they do not; twin (of one point: CURVE.NUMBER of the other solver at the
+                         same spacing)
 """
 
 import tomllib
@@ -111,6 +112,9 @@ def check(file: Path, table: dict) -> None:
             for number in numbers if isinstance(numbers, list) else [numbers]:
                 if not 0 <= number < len(curve["points"]):
                     refuse(f"[curve.{name}] {key} names point {number}; there are {len(curve['points'])}, from 0 on")
+        twin, _, number = str(curve.get("twin", f"{name}.0")).rpartition(".")
+        if not number.isdigit() or int(number) >= len(table["curve"].get(twin, {}).get("points", [])):
+            refuse(f"[curve.{name}] twin names no point: {curve['twin']}")
         repeats = curve.get("repeats", 1)
         if isinstance(repeats, list) and len(repeats) != len(curve["points"]):
             refuse(f"[curve.{name}] repeats has {len(repeats)} numbers for {len(curve['points'])} points")

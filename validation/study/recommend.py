@@ -268,6 +268,21 @@ def graded(case: Path, about: dict, wanted: float) -> str:
             f"{part:.2f} of the particles and, at the same step, of the time: a factor of {1.0 / part:.2g}")
 
 
+def at_equal_spacing(case: Path) -> str:
+    """The plan's pair of one point of either solver at the same spacing; "" where there is none or it was not run."""
+    rows = {f"{row['curve']}.{row['point']}": row for row in csv.DictReader(
+        line for line in kept_table(case).splitlines() if not line.startswith("#")) if row["error"]}
+    for name, curve in plans.read(case).table["curve"].items():
+        one, other = rows.get(f"{name}.0"), rows.get(curve.get("twin", ""))
+        if one and other:
+            ratio = float(other["processor_seconds"]) / float(one["processor_seconds"])
+            return (f"at equal spacing ({other['setting']}; {curve['says']}): {other['solver']} "
+                    f"{float(other['processor_seconds']):.3g} s for {float(other['error']):.2%}, {one['solver']} "
+                    f"{float(one['processor_seconds']):.3g} s for {float(one['error']):.2%}: the particles take {ratio:.2g} "
+                    "times as long")
+    return ""
+
+
 def check(case: Path, other: Path) -> bool:
     """Every setting that both tables have: the case's prediction for it, with its uncertainty, beside the other's measurement."""
     tables, plan = {}, {}
@@ -328,6 +343,8 @@ def answer(case: Path, options: argparse.Namespace) -> dict:
         ratio = both[0].time / both[1].time
         print(f"\n  {'the particles take' if ratio > 1.0 else 'the finite elements take'} {max(ratio, 1 / ratio):.3g}"
               " times as long")
+    equal = at_equal_spacing(case)
+    print(f"\n  {equal}" if equal else "", end="\n" if equal else "")
     if options.error and found.get("particles"):
         saving = graded(case, about, parse_error(options.error))
         print(f"\n  {saving}" if saving else "", end="\n" if saving else "")
