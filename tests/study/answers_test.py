@@ -12,6 +12,7 @@ import numpy as np
 ROOT = Path(sys.argv[1])
 sys.path.insert(0, str(ROOT / "validation" / "study"))
 
+import ablation  # noqa: E402
 import block_point  # noqa: E402
 import cost_table  # noqa: E402
 import differences  # noqa: E402
@@ -233,6 +234,20 @@ points = [{points}]
             one = self.case(Path(folder), "one", {8: 0.16, 4: 0.08, 2: 0.04})
             with self.assertRaises(recommend.NoAnswer):
                 recommend.check(one, self.case(Path(folder), "other", {7: 0.1, 3: 0.05}))
+
+
+class Ablations(unittest.TestCase):
+    def test_a_scene_without_a_table_keeps_all_else(self):
+        scene = ROOT / "validation" / "beam_in_channel" / "scene.toml"
+        with tempfile.TemporaryDirectory() as folder:
+            study = ablation.Study(scene, [], Path(folder), None)
+            text = study.scene_of(ablation.Variant("[viscosity]", [], "viscosity")).read_text()
+            self.assertNotIn("[viscosity]", text)
+            self.assertIn('profile = "parabolic"', text)  # a word, not the name of a file beside the scene
+            text = study.scene_of(ablation.Variant("[solid.beam]", [], "solid.beam")).read_text()
+            self.assertNotIn("[solid.beam]", text)
+            self.assertNotIn("outline_of", text)  # nor the probes that look at it
+            self.assertIn("velocity_along", text)
 
 
 class Scaling(unittest.TestCase):

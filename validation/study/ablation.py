@@ -121,7 +121,7 @@ class Study:
         file.parent.mkdir(exist_ok=True)
         text = without_table(self.scene.read_text(), variant.without)
         # Files that the scene names lie beside it.
-        text = re.sub(r'(file\s*=\s*)"([^"/][^"]*)"', lambda m: f'{m[1]}"{self.scene.parent / m[2]}"', text)
+        text = re.sub(r'(\bfile\s*=\s*)"([^"/][^"]*)"', lambda m: f'{m[1]}"{self.scene.parent / m[2]}"', text)
         if not file.exists() or file.read_text() != text:
             file.write_text(text)
         return file
