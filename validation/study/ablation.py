@@ -130,7 +130,10 @@ class Study:
         """Why the scene cannot do without; "" if it can."""
         answer = subprocess.run([self.runner.program, "check", self.scene_of(variant), *self.overrides_of(variant)],
                                 capture_output=True, text=True)
-        return "" if answer.returncode == 0 else answer.stderr.strip().splitlines()[-1]
+        if answer.returncode == 0:
+            return ""
+        last = answer.stderr.strip().splitlines()[-1].removeprefix("error: ")
+        return re.sub(r"(?<![\w.])/[^\s:\"]*/", "", last)  # a kept table says nothing of this machine's folders
 
     def overrides_of(self, variant: Variant) -> list:
         kept_ones = [one for one in self.overrides if not variant.without or not one.startswith(variant.without)]
