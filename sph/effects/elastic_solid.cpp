@@ -246,6 +246,32 @@ void ElasticSolid<dim>::assemble_tangent(std::span<const Vector<dim>> position) 
   tangent_.setFromTriplets(entries.begin(), entries.end());
 }
 
+/// Its forces into `right`, and dt^2 k g g^T of every touch into the system.
+template <int dim>
+void ElasticSolid<dim>::add_contact(const State<dim>& state, Eigen::VectorXd& right) {
+  const double dt = state.clock.time_step;
+  const auto touches = contact_->find(state);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const auto& touch : touches)
+    for (const auto& a : touch.nodes) {
+      right.template segment<dim>(a.node * dim) += touch.stiffness * touch.overlap * a.gradient;
+      for (const auto& b : touch.nodes) {
+        const Block<dim> block = dt * dt * touch.stiffness * a.gradient * b.gradient.transpose();
+        for (int c = 0; c < dim; ++c)
+          for (int d = 0; d < dim; ++d)
+            if (const auto row = a.node * dim + c, column = b.node * dim + d; row >= column)
+              entries.emplace_back(row, column, block(c, d));
+      }
+    }
+  // Who touches whom changes the pattern of the matrix, with every touch that comes or goes.
+  if (!touches.empty() || touching_) analysed_ = false;
+  touching_ = !touches.empty();
+  if (!touching_) return;
+  Eigen::SparseMatrix<double> contact(system_.rows(), system_.cols());
+  contact.setFromTriplets(entries.begin(), entries.end());
+  system_ += contact;
+}
+
 template <int dim>
 void ElasticSolid<dim>::implicit_acceleration(const State<dim>& state) {
   const auto& particles = state.particles;
@@ -256,6 +282,14 @@ void ElasticSolid<dim>::implicit_acceleration(const State<dim>& state) {
   const double dt = state.clock.time_step;
   system_ = implicit_weight * dt * dt * tangent_;
   for (std::size_t i = 0; i < n * dim; ++i) system_.coeffRef(i, i) += mass_;
+  Eigen::VectorXd velocity(n * dim), right(n * dim);
+  for (std::size_t i = 0; i < n; ++i) {
+    velocity.template segment<dim>(i * dim) = particles.velocity[i];
+    right.template segment<dim>(i * dim) = force_[i];
+  }
+  const Eigen::VectorXd ahead = tangent_.template selfadjointView<Eigen::Lower>() * velocity;
+  right -= implicit_damping * dt * ahead;
+  if (contact_) add_contact(state, right);
   if (!analysed_) {
     factor_.analyzePattern(system_);
     analysed_ = true;
@@ -265,13 +299,6 @@ void ElasticSolid<dim>::implicit_acceleration(const State<dim>& state) {
     throw std::runtime_error(
         "the implicit spring system cannot be factorised: a spring has collapsed "
         "or a position is not a number");
-  Eigen::VectorXd velocity(n * dim), right(n * dim);
-  for (std::size_t i = 0; i < n; ++i) {
-    velocity.template segment<dim>(i * dim) = particles.velocity[i];
-    right.template segment<dim>(i * dim) = force_[i];
-  }
-  const Eigen::VectorXd ahead = tangent_.template selfadjointView<Eigen::Lower>() * velocity;
-  right -= implicit_damping * dt * ahead;
   const Eigen::VectorXd a = factor_.solve(right);
   for (std::size_t i = 0; i < n; ++i) spring_acceleration_[i] = a.template segment<dim>(i * dim);
 }

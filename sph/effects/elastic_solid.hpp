@@ -2,6 +2,7 @@
 /// Elastic bodies: the springs of Eq. 5 as an acceleration of the solid particles (ACTION 4).
 
 #include "sph/effects/bond_law.hpp"
+#include "sph/effects/contact.hpp"
 #include "sph/effects/elastic_network.hpp"
 #include "sph/effects/roles.hpp"
 
@@ -41,6 +42,10 @@ class ElasticSolid final : public Acceleration<dim>,
   /// Bonds of a body do something beside their linear spring. Before the first step; explicit
   /// springs take shorter steps for it.
   void add(std::unique_ptr<BondLaw> law);
+  /// Bodies meet others or walls: with implicit springs only. Backward Euler: the force is that
+  /// where the step ends, k (overlap - dt^2 g . du/dt) g for each touch, g the gap's gradient, so
+  /// that what meets loses energy and never gains any.
+  void add(std::unique_ptr<Contact<dim>> contact) { contact_ = std::move(contact); }
 
   const ElasticNetwork<dim>& network() const { return network_; }
   /// Acceleration that all but the springs gave in the last step, m/s2, one per solid.
@@ -54,6 +59,7 @@ class ElasticSolid final : public Acceleration<dim>,
   void advance_laws(const State<dim>& state);
   void assemble_tangent(std::span<const Vector<dim>> position);
   void implicit_acceleration(const State<dim>& state);
+  void add_contact(const State<dim>& state, Eigen::VectorXd& right);
 
   ElasticNetwork<dim> network_;
   double mass_;
@@ -73,6 +79,8 @@ class ElasticSolid final : public Acceleration<dim>,
                      Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>>
       factor_;
   bool analysed_ = false;
+  std::unique_ptr<Contact<dim>> contact_;  ///< null where the scene does not call for it
+  bool touching_ = false;                  ///< in the last step, by its system's pattern
 };
 
 /// Highest angular frequency (rad/s) of the network at rest with `mass` (kg) at each node.

@@ -236,6 +236,50 @@ bool add_springs(ParticleScene<dim>& scene, const ModulusTable& table) {
   return true;
 }
 
+/// Whether a body stands closer to a flat wall that does not hold it than it is long.
+template <int dim>
+bool may_reach_a_wall(const ParticleScene<dim>& scene, std::size_t body) {
+  const auto& state = scene.simulation->state();
+  const Point extent = own_extent(scene.problem.solids[body]);
+  const double longest = *std::max_element(extent.begin(), extent.begin() + dim);
+  const double held = 2.0 * state.particles.spacing;
+  for (const auto& wall : state.images.walls()) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = scene.bodies[body].first; i < scene.bodies[body].last; ++i)
+      nearest = std::min(nearest, wall.inward * (state.particles.position[i][wall.axis] - wall.place));
+    if (nearest < longest && (nearest > held || !scene.problem.solids[body].clamped)) return true;
+  }
+  return false;
+}
+
+template <int dim>
+bool add_contact(ParticleScene<dim>& scene, const ModulusTable&) {
+  bool called_for = scene.bodies.size() > 1;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b)
+    called_for = called_for || may_reach_a_wall(scene, b);
+  const auto& simulation = *scene.simulation;
+  if (!called_for ||
+      simulation.numerics().spring_integration != SpringIntegration::implicit_force)
+    return false;
+  std::vector<typename Contact<dim>::Body> bodies;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b)
+    bodies.push_back({scene.bodies[b].first, scene.bodies[b].last,
+                      scene.problem.solids[b].youngs_modulus,
+                      scene.problem.solids[b].clamped.has_value()});
+  const auto& state = simulation.state();
+  auto contact =
+      std::make_unique<Contact<dim>>(std::move(bodies), state.particles, state.images.walls());
+  scene.simulation->effects().limits.push_back(contact.get());
+  scene.solid->add(std::move(contact));
+  scene.effects.push_back(
+      scene.bodies.size() > 1
+          ? fmt::format("contact: {} bodies, with each other and with flat walls",
+                        scene.bodies.size())
+          : fmt::format("contact: [solid.{}] is closer to a wall than it is long",
+                        scene.bodies[0].name));
+  return true;
+}
+
 template <int dim>
 bool add_shifting(ParticleScene<dim>& scene, const ModulusTable&) {
   auto& simulation = *scene.simulation;
@@ -316,6 +360,8 @@ void add_effects(ParticleScene<dim>& scene, const ModulusTable& table) {
       {"springs", add_springs<dim>, "a table [solid.<name>]"},
       {"strain stiffening", add_stiffening<dim>, "a table [solid.<name>.stiffening]"},
       {"viscoelastic springs", add_viscoelastic<dim>, "a table [solid.<name>.viscoelastic]"},
+      {"contact", add_contact<dim>,
+       "two bodies or more, or one closer to a flat wall than it is long, with implicit springs"},
       {"limit of the printed integrator", add_printed_integrator<dim>,
        "numerics.position_update = \"mean_velocity\" with explicit springs"},
       {"shifting", add_shifting<dim>, "numerics.shifting"},

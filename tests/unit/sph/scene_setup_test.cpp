@@ -264,6 +264,12 @@ TEST(SceneSetup, CreatesOnlyTheEffectsThatTheSceneNames) {
   EXPECT_EQ(fluid.simulation->state().particles.carried.size(), 1u);
   EXPECT_EQ(fluid.effects.size(), 2u);
 
+  // One beam, farther from the other wall than it is long: nothing to touch.
+  scene.beam = true;
+  const auto alone = set_up(scene);
+  for (const auto& effect : alone.effects) EXPECT_EQ(effect.find("contact"), std::string::npos);
+  scene.beam = false;
+
   scene.numerics = "shifting = \"none\"";
   const auto still = set_up(scene);
   EXPECT_TRUE(still.simulation->effects().motion.empty());
