@@ -45,9 +45,8 @@ void weigh(Face<dim>& face, const Kernel<dim>& kernel, double spacing) {
       second + second.trace() * face.normal * face.normal.transpose() +
       1e-9 * spacing * spacing * kernel.value(0.0) * Matrix<dim>::Identity();
   const Vector<dim> tilt = -regular.inverse() * first;
-  const bool pushes = std::all_of(along.begin(), along.end(), [&](const Vector<dim>& t) {
-    return 1.0 + tilt.dot(t) > 0.0;
-  });
+  const bool pushes = std::all_of(along.begin(), along.end(),
+                                  [&](const Vector<dim>& t) { return 1.0 + tilt.dot(t) > 0.0; });
   double sum = 0.0;
   for (std::size_t k = 0; k < n; ++k) {
     if (pushes) face.share[k] *= 1.0 + tilt.dot(along[k]);
@@ -147,8 +146,8 @@ void Contact<dim>::touch_bodies(const State<dim>& state, std::size_t solid,
     const double gap = face.distance + state.clock.time_step * velocity.dot(face.normal);
     touch.overlap = particles.spacing - gap;
     if (touch.overlap <= 0.0) continue;
-    const double modulus = 2.0 / (1.0 / bodies_[body_of_[solid]].youngs_modulus +
-                                  1.0 / bodies_[other].youngs_modulus);
+    const double modulus =
+        2.0 / (1.0 / bodies_[body_of_[solid]].youngs_modulus + 1.0 / bodies_[other].youngs_modulus);
     touch.stiffness = 0.5 * modulus * std::pow(particles.spacing, dim - 2);
     touches.push_back(std::move(touch));
   }
@@ -161,9 +160,8 @@ void Contact<dim>::touch_walls(const State<dim>& state, std::size_t solid,
   const auto& walls = state.images.walls();
   for (std::size_t w = 0; w < walls.size(); ++w) {
     const auto& wall = walls[w];
-    const double gap =
-        wall.inward * (particles.position[solid][wall.axis] - wall.place +
-                       state.clock.time_step * particles.velocity[solid][wall.axis]);
+    const double gap = wall.inward * (particles.position[solid][wall.axis] - wall.place +
+                                      state.clock.time_step * particles.velocity[solid][wall.axis]);
     const double overlap = nearest_to_wall_[w][solid] - gap;
     if (overlap <= 0.0) continue;
     const double modulus = bodies_[body_of_[solid]].youngs_modulus;

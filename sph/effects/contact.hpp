@@ -36,7 +36,7 @@ class Contact final : public TimeStepLimit<dim> {
   struct Body {
     std::size_t first, last;  ///< particles
     double youngs_modulus;    ///< Pa
-    bool clamped;             ///< its foot, at rest within two spacings of a wall, is not pushed off
+    bool clamped;  ///< its foot, at rest within two spacings of a wall, is not pushed off
   };
   Contact(std::vector<Body> bodies, const Particles<dim>& particles,
           const std::vector<Wall<dim>>& walls);

@@ -246,7 +246,8 @@ bool may_reach_a_wall(const ParticleScene<dim>& scene, std::size_t body) {
   for (const auto& wall : state.images.walls()) {
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t i = scene.bodies[body].first; i < scene.bodies[body].last; ++i)
-      nearest = std::min(nearest, wall.inward * (state.particles.position[i][wall.axis] - wall.place));
+      nearest =
+          std::min(nearest, wall.inward * (state.particles.position[i][wall.axis] - wall.place));
     if (nearest < longest && (nearest > held || !scene.problem.solids[body].clamped)) return true;
   }
   return false;
@@ -258,8 +259,7 @@ bool add_contact(ParticleScene<dim>& scene, const ModulusTable&) {
   for (std::size_t b = 0; b < scene.bodies.size(); ++b)
     called_for = called_for || may_reach_a_wall(scene, b);
   const auto& simulation = *scene.simulation;
-  if (!called_for ||
-      simulation.numerics().spring_integration != SpringIntegration::implicit_force)
+  if (!called_for || simulation.numerics().spring_integration != SpringIntegration::implicit_force)
     return false;
   std::vector<typename Contact<dim>::Body> bodies;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b)

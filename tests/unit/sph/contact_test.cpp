@@ -44,8 +44,7 @@ struct Blocks {
     const double k_e = 1e3 * modulus;
     for (std::size_t b = 0; b < 2; ++b) {
       Solid shape = test::solid_block<2>({wide, high}, dx);
-      const Vector<2> corner =
-          particles.position[b * wide * high] - Vector<2>(0.5 * dx, 0.5 * dx);
+      const Vector<2> corner = particles.position[b * wide * high] - Vector<2>(0.5 * dx, 0.5 * dx);
       for (int d = 0; d < 2; ++d) {
         shape.body.from[d] += corner[d];
         shape.body.to[d] += corner[d];
@@ -93,8 +92,7 @@ struct Blocks {
   double gap() const {
     double sum = 0.0;
     for (std::size_t k = 0; k < wide; ++k)
-      sum += state.particles.position[each + k][1] -
-             state.particles.position[each - wide + k][1];
+      sum += state.particles.position[each + k][1] - state.particles.position[each - wide + k][1];
     return sum / wide;
   }
 };
@@ -109,10 +107,10 @@ void settle(Blocks& blocks, const std::vector<Vector<2>>& load) {
   }
 }
 
-// A layer of thickness dx and modulus E under the pressure p: dx (1 - p/E), from one pressure to the
-// next within 2 %. Where a row ends, the other's particles lie to one side and the normal leans, so
-// that the two ends of either row push from dx (1 + tan^2) on: of 16 particles 4 hold by a tenth of
-// dx more, which lifts the block by up to 0.015 dx.
+// A layer of thickness dx and modulus E under the pressure p: dx (1 - p/E), from one pressure to
+// the next within 2 %. Where a row ends, the other's particles lie to one side and the normal
+// leans, so that the two ends of either row push from dx (1 + tan^2) on: of 16 particles 4 hold by
+// a tenth of dx more, which lifts the block by up to 0.015 dx.
 TEST(Contact, TwoBlocksPressedTogetherRestAtTheDerivedGap) {
   double before = 0.0;
   for (const double pressure : {1e4, 3e4}) {
@@ -141,10 +139,10 @@ TEST(Contact, ABlockPressedToAWallRestsAtTheDerivedGap) {
   EXPECT_NEAR(height, 0.5 * dx * (1.0 - pressure / modulus), 2e-3 * 0.5 * dx * pressure / modulus);
 }
 
-// Rows that slide past each other: the force stays normal and of one size, wherever the particles of
-// one row stand over the other's. Pairs of particles would make it vary by 13 % of dx, the height
-// of the groove between two of them. The kernel's sum leans by up to 0.2 % on the lattice, over the
-// 2.4 spacings that it reaches along the row. Ends of the rows are left out.
+// Rows that slide past each other: the force stays normal and of one size, wherever the particles
+// of one row stand over the other's. Pairs of particles would make it vary by 13 % of dx, the
+// height of the groove between two of them. The kernel's sum leans by up to 0.2 % on the lattice,
+// over the 2.4 spacings that it reaches along the row. Ends of the rows are left out.
 TEST(Contact, FacesSlideWithoutFriction) {
   for (const double aside : {0.0, 0.15, 0.3, 0.5, 0.75}) {
     Blocks blocks(0.9 * dx, aside * dx);
@@ -183,8 +181,8 @@ TEST(Contact, KeepsMomentumAndAngularMomentum) {
 
 // Two blocks meet at 2 U and part: their momenta stay opposite, no step of the meeting adds energy
 // beyond what it started with, they part no faster than they met, and not stuck together either.
-// Momenta to the round-off of a solution whose matrix spans dt^2 k/m = 1e6. Steps from a twentieth of the contact's period (2 pi sqrt(3 rho/E) dx / sqrt 2 = 77 ms) to four
-// times it.
+// Momenta to the round-off of a solution whose matrix spans dt^2 k/m = 1e6. Steps from a twentieth
+// of the contact's period (2 pi sqrt(3 rho/E) dx / sqrt 2 = 77 ms) to four times it.
 TEST(Contact, ARebound) {
   constexpr double speed = 0.1;
   for (const double dt : {4e-3, 2e-2, 0.3}) {
