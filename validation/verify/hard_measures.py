@@ -157,9 +157,9 @@ def bodies(snapshot, spacing: float) -> np.ndarray:
 
 def body_gap(record: Record, figure: dict) -> Finding:
     """Smallest distance between particles of different bodies in any snapshot, over the spacing."""
-    spacing, times, least, number = Scene.of_toml(record.manifest["scene_toml"]).spacing, [], [], None
+    spacing, times, least = Scene.of_toml(record.manifest["scene_toml"]).spacing, [], []
+    number = bodies(record.snapshot(record.snapshot_times()[0]), spacing)  # later they may touch
     for snapshot in snapshots(record, figure):
-        number = bodies(snapshot, spacing) if number is None else number
         solid = snapshot.fields["role"] == SOLID
         places, own = snapshot.positions[solid], number[snapshot.fields["identity"][solid].astype(int)]
         if np.max(own) < 1:
@@ -189,17 +189,41 @@ def record_start(record: Record):
     return (record.snapshot(t) for t in record.snapshot_times())
 
 
-def backflow(record: Record, figure: dict) -> Finding:
-    """Mean flow against the leaflets' direction over the mean flow along it, from `from` on (0: shut tight, 1: they
-    make no difference)."""
-    values = ledger(record, "ledger_mass")
-    late = values["time"] >= amount(figure.get("from", 0.0))
-    flow = values["outflow"][late]
-    along = np.mean(np.maximum(flow, 0.0))
-    if along <= 0.0:
-        raise Missing("nothing flowed along")
-    return Finding(float(np.mean(np.maximum(-flow, 0.0)) / along), values["time"].tolist(), values["outflow"].tolist(),
+def closed_leak(record: Record, figure: dict) -> Finding:
+    """Mean flow through the channel while bodies touch (closer than 1.3 spacings), over the mean of its size while they
+    do not, from `from` on. The flow is that of the fluid between 80 and 95 % of the channel's length."""
+    (low, bottom), (high, top) = (corner[:2] for corner in Scene.of_toml(record.manifest["scene_toml"]).box)
+    gaps, times, flow = body_gap(record, figure), [], []
+    for snapshot in snapshots(record, figure):
+        x = (snapshot.positions[:, 0] - low) / (high - low)
+        there = (snapshot.fields["role"] == FLUID) & (x > 0.8) & (x < 0.95)
+        times.append(snapshot.time)
+        flow.append(float(np.mean(snapshot.fields["velocity"][there, 0])) * (top - bottom))
+    closed, flow = np.array(gaps.found) < 1.3, np.array(flow)
+    if not closed.any() or closed.all():
+        raise Missing("the bodies never parted" if closed.all() else "the bodies never met")
+    return Finding(float(abs(np.mean(flow[closed])) / np.mean(np.abs(flow[~closed]))), times, flow.tolist(),
                    ("t [s]", "flow [m2/s]"))
+
+
+def reopening(record: Record, figure: dict) -> Finding:
+    """Longest delay from the start of a beat (k `period`, when the pressure turns) to when two points of two bodies have
+    come half-way from their closest in the half beat before to their farthest in the half beat after, over the period.
+    `apart`: the distance of the points at rest, across."""
+    first, second = (ledger(record, name) for name in figure["series"])
+    time, period = first["time"], amount(figure["period"])
+    across = amount(figure["apart"]) + second["displacement_y"] - first["displacement_y"]
+    apart = np.hypot(second["displacement_x"] - first["displacement_x"], across)
+    begins, delays = [], []
+    for beat in np.arange(1, math.floor(time[-1] / period - 0.5) + 1) * period:
+        before = (time > beat - 0.5 * period) & (time <= beat)
+        after = (time > beat) & (time <= beat + 0.5 * period)
+        half = 0.5 * (np.min(apart[before]) + np.max(apart[after]))
+        begins.append(float(beat))
+        delays.append(float(time[after][np.argmax(apart[after] > half)] - beat) / period)
+    if not delays:
+        raise Missing("no beat is complete")
+    return Finding(max(delays), begins, delays, ("t [s]", "delay of reopening / period"))
 
 
 def beats(record: Record, figure: dict) -> Finding:
@@ -221,7 +245,8 @@ def beats(record: Record, figure: dict) -> Finding:
 
 KINDS = {"closest_pair": closest_pair, "energy_error": energy_error, "decay_rate": decay_rate, "plateau": plateau,
          "published": published, "solid_over_fluid": solid_over_fluid, "series": series, "settled": settled,
-         "body_gap": body_gap, "wall_gap": wall_gap, "backflow": backflow, "beats": beats}
+         "body_gap": body_gap, "wall_gap": wall_gap, "closed_leak": closed_leak, "reopening": reopening,
+         "beats": beats}
 
 
 def measure(record: Record, figure: dict) -> Finding:
