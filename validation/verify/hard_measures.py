@@ -189,6 +189,15 @@ def record_start(record: Record):
     return (record.snapshot(t) for t in record.snapshot_times())
 
 
+def closings(record: Record, figure: dict) -> Finding:
+    """How often two bodies met (closer than 1.3 spacings) after having been apart (farther than 2)."""
+    gaps, apart, count = body_gap(record, figure), True, 0
+    for gap in gaps.found:
+        count += apart and gap < 1.3
+        apart = gap > 2.0 or (apart and gap >= 1.3)
+    return Finding(float(count), gaps.axis, gaps.found, gaps.axes)
+
+
 def closed_leak(record: Record, figure: dict) -> Finding:
     """Mean flow through the channel while bodies touch (closer than 1.3 spacings), over the mean of its size while they
     do not, from `from` on. The flow is that of the fluid between 80 and 95 % of the channel's length."""
@@ -245,8 +254,8 @@ def beats(record: Record, figure: dict) -> Finding:
 
 KINDS = {"closest_pair": closest_pair, "energy_error": energy_error, "decay_rate": decay_rate, "plateau": plateau,
          "published": published, "solid_over_fluid": solid_over_fluid, "series": series, "settled": settled,
-         "body_gap": body_gap, "wall_gap": wall_gap, "closed_leak": closed_leak, "reopening": reopening,
-         "beats": beats}
+         "body_gap": body_gap, "wall_gap": wall_gap, "closings": closings, "closed_leak": closed_leak,
+         "reopening": reopening, "beats": beats}
 
 
 def measure(record: Record, figure: dict) -> Finding:
