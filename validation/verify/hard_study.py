@@ -193,6 +193,30 @@ def table(result: dict) -> str:
     return "\n".join(lines) + "\n"
 
 
+README_BEGIN, README_END = "<!-- rows of ./sprung study hard --accept -->", "<!-- end of its rows -->"
+
+
+def readme_rows(result: dict) -> str:
+    """README's table: case, figures, limits, verdict, and the commit that was measured."""
+    commits = sorted({run["commit"][:7] for row in result["rows"].values() for run in row["runs"].values() if "commit" in run})
+    lines = [f"Measured at commit {', '.join(commits)}: {result['verdict']}.", "", "| case | figures | limits | verdict |",
+             "|---|---|---|---|"]
+    for row in result["rows"].values():
+        figures = list(row["figures"].values())
+        found = "; ".join(f"{f['says']}: {number(f['value'])}" for f in figures) or row["held_by"] or row["shows"]
+        bounds = "; ".join(f["limit"] for f in figures)
+        verdict = row["verdict"] + (f": {row['limit']['where']}" if row["limit"] else "")
+        lines.append("| " + " | ".join(cell.replace("|", "/") for cell in (row["title"], found, bounds, verdict)) + " |")
+    return "\n".join(lines)
+
+
+def with_rows(readme: str, rows: str) -> str:
+    """README with these rows between its marks; as it is where it has none."""
+    before, begin, rest = readme.partition(README_BEGIN)
+    _, end, after = rest.partition(README_END)
+    return f"{before}{begin}\n{rows}\n{end}{after}" if begin and end else readme
+
+
 def keep(result: dict, reason: str) -> None:
     rows = {name: {**row, "figures": {key: {k: v for k, v in figure.items() if k != "curves"}
                                       for key, figure in row["figures"].items()}}
@@ -200,6 +224,8 @@ def keep(result: dict, reason: str) -> None:
     (ROWS / "records").mkdir(exist_ok=True)
     write_whole(ROWS / "records" / "hard.json", json.dumps({"accepted_because": reason, **result, "rows": rows}, indent=1) + "\n")
     write_whole(ROWS / "records" / "hard.txt", table(result))
+    readme = ROOT / "README.md"
+    write_whole(readme, with_rows(readme.read_text(), readme_rows(result)))
 
 
 def main() -> int:
