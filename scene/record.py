@@ -2,7 +2,9 @@
 
 import json
 import re
+from bisect import bisect_left
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import h5py
@@ -73,16 +75,22 @@ class Record:
         group = self._file["tables"].get(name)
         return sorted(float(d.attrs["time"]) for d in group.values()) if group is not None else []
 
+    @cached_property
+    def _snapshots(self) -> list[tuple[float, str]]:
+        """Times and names of the snapshots: read once, for each is asked for by its time."""
+        return sorted((float(group.attrs["time"]), name) for name, group in self._file["fields"].items())
+
     def snapshot(self, time: float) -> Snapshot | None:
-        for group in self._file["fields"].values():
-            if abs(float(group.attrs["time"]) - time) < SAME_TIME:
-                fields = {name: data[...] for name, data in group["fields"].items()}
-                cells = group["cells"][...]
-                return Snapshot(time, group["positions"][...], cells if cells.shape[1] > 1 else None, fields)
-        return None
+        at = bisect_left(self._snapshots, (time - SAME_TIME,))
+        if at == len(self._snapshots) or self._snapshots[at][0] >= time + SAME_TIME:
+            return None
+        group = self._file["fields"][self._snapshots[at][1]]
+        fields = {name: data[...] for name, data in group["fields"].items()}
+        cells = group["cells"][...]
+        return Snapshot(time, group["positions"][...], cells if cells.shape[1] > 1 else None, fields)
 
     def snapshot_times(self) -> list[float]:
-        return sorted(float(group.attrs["time"]) for group in self._file["fields"].values())
+        return [time for time, _ in self._snapshots]
 
     @property
     def finished(self) -> bool:
