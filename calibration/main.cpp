@@ -361,8 +361,7 @@ int bending(const Arguments& a) {
   const std::string header =
       "dimension,bonds,area_stiffness,surface_correction,angle_degrees,bend,width,layers,"
       "stretching,bending,frequency,law_bending";
-  Sheet sheet = read_sheet(file);
-  if (sheet.header != header) sheet = {header, {}};
+  Sheet sheet = read_sheet(file, header);
   // A factorisation's work: of bands of width n in the plane, n^2 in space.
   const auto cost = [](const PlateCase& c, int n) {
     return std::pow(n, c.material.dimension == 2 ? 4 : 7);
@@ -493,8 +492,7 @@ int hold(const Arguments& a) {
   const std::string header =
       "dimension,bonds,area_stiffness,smoothing_length_ratio,load,layers,seconds,strain_before,"
       "strain_after,poisson_before,poisson_after,volume_drift_per_second";
-  Sheet sheet = read_sheet(file);
-  if (sheet.header != header) sheet = {header, {}};
+  Sheet sheet = read_sheet(file, header);
   struct Case {
     Material material;
     double smoothing_length_ratio;

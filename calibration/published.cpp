@@ -38,6 +38,11 @@ Sheet read_sheet(const std::filesystem::path& file) {
   return sheet;
 }
 
+Sheet read_sheet(const std::filesystem::path& file, const std::string& header) {
+  Sheet sheet = read_sheet(file);
+  return sheet.header == header ? sheet : Sheet{header, {}};
+}
+
 void publish(const std::filesystem::path& file, const Sheet& sheet, const Provenance& provenance) {
   if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path());
   auto manifest_file = file;

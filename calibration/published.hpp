@@ -26,6 +26,8 @@ struct Sheet {
 
 /// Reads a CSV written by publish(); an absent file is an empty sheet.
 Sheet read_sheet(const std::filesystem::path& file);
+/// The same where its columns are those of `header`; else no row under that header.
+Sheet read_sheet(const std::filesystem::path& file, const std::string& header);
 
 /// Writes `file` and its manifest, each beside its place and then renamed. The manifest keeps the
 /// provenance of the rows that it already knew. Throws std::runtime_error naming the file.

@@ -167,14 +167,15 @@ std::string explain(Document& document, const ModulusTable& table) {
   for (const auto* limit : simulation.effects().limits) {
     const double explicitly = stable_time_step(limit->fastest_mode(simulation.state()));
     const bool of_a_mode = std::isfinite(explicitly);
-    text += fmt::format("  {:.4g} s: {}{}\n",
-                        of_a_mode ? kept_of_limit * explicitly
-                                  : limit->largest_time_step(simulation.state()),
-                        limit->limit_name(), of_a_mode ? of_mode : "");
+    text += fmt::format(
+        "  {:.4g} s: {}{}\n",
+        of_a_mode ? kept_of_limit * explicitly : limit->largest_time_step(simulation.state()),
+        limit->limit_name(), of_a_mode ? of_mode : "");
   }
   if (scene.solid && numerics.spring_integration == SpringIntegration::implicit_force)
-    text += fmt::format("  no limit: springs, implicit (explicit ones would need {:.4g} s)\n",
-                        kept_of_limit * stable_time_step(scene.solid->fastest_mode(simulation.state())));
+    text += fmt::format(
+        "  no limit: springs, implicit (explicit ones would need {:.4g} s)\n",
+        kept_of_limit * stable_time_step(scene.solid->fastest_mode(simulation.state())));
 
   const double set_up = processor_seconds();
   const Sample steps = sample(simulation, scene.problem.end_time);

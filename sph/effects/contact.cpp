@@ -10,9 +10,6 @@ namespace sprung::sph {
 
 namespace {
 
-template <int dim>
-using Matrix = Eigen::Matrix<double, dim, dim>;
-
 /// Particles of another body near a particle: offsets to it and, once weighed, their shares of what
 /// pushes back.
 template <int dim>

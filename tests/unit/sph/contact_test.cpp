@@ -2,6 +2,7 @@
 
 #include "sph/effects/elastic_solid.hpp"
 #include "tests/unit/sph/particle_blocks.hpp"
+#include "tests/unit/sph/solid_step.hpp"
 
 #include <gtest/gtest.h>
 
@@ -64,16 +65,7 @@ struct Blocks {
   }
   /// ACTIONs 4 to 9 for the solids alone. `load`: N/m on each particle.
   void step(double dt, const std::vector<Vector<2>>& load) {
-    auto& particles = state.particles;
-    state.clock.time_step = dt;
-    std::vector<Vector<2>> acceleration(particles.size(), Vector<2>::Zero());
-    solid.add_acceleration(state, acceleration);
-    const auto old = particles.velocity;
-    for (std::size_t i = 0; i < particles.size(); ++i)
-      particles.velocity[i] += dt * (acceleration[i] + load[i] / particles.mass());
-    solid.constrain(state, old);
-    for (std::size_t i = 0; i < particles.size(); ++i)
-      particles.position[i] += dt * particles.velocity[i];
+    test::step_solid(solid, state, dt, load, true);
     search();
   }
   Vector<2> momentum(std::size_t first, std::size_t last) const {
@@ -175,7 +167,9 @@ TEST(Contact, KeepsMomentumAndAngularMomentum) {
     }
     EXPECT_NEAR(force.norm(), 0.0, 1e-12);
     const double x = position[touch.nodes[0].node][0];
-    if (x > 3.3 * dx && x < 5.2 * dx) EXPECT_NEAR(moment, 0.0, 1e-10 * dx);
+    if (x > 3.3 * dx && x < 5.2 * dx) {
+      EXPECT_NEAR(moment, 0.0, 1e-10 * dx);
+    }
   }
 }
 

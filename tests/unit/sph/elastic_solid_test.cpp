@@ -3,6 +3,7 @@
 #include "sph/simulation.hpp"
 #include "sph/time_step.hpp"
 #include "tests/unit/sph/particle_blocks.hpp"
+#include "tests/unit/sph/solid_step.hpp"
 
 #include <gtest/gtest.h>
 
@@ -32,22 +33,6 @@ struct Oscillator {
   double displacement() const { return state.particles.position[0][0] - 1.0; }
 };
 
-/// ACTIONs 4 to 8 for a solid alone under a `load` (N) on each node, with the new-velocity update.
-void step(ElasticSolid<2>& solid, State<2>& state, double dt, const std::vector<Vector<2>>& load,
-          bool implicit) {
-  auto& particles = state.particles;
-  state.clock.time_step = dt;
-  std::vector<Vector<2>> acceleration(particles.size(), Vector<2>::Zero());
-  solid.add_acceleration(state, acceleration);
-  const auto old = particles.velocity;
-  for (std::size_t i = 0; i < particles.size(); ++i)
-    particles.velocity[i] += dt * (acceleration[i] + load[i] / particles.mass());
-  if (implicit) solid.constrain(state, old);
-  for (std::size_t i = 0; i < particles.size(); ++i)
-    particles.position[i] += dt * particles.velocity[i];
-  ++state.clock.step;
-}
-
 /// Trace and determinant of the step's matrix from four successive values of a linear oscillation:
 /// x2 = T x1 - D x0, x3 = T x2 - D x1.
 std::pair<double, double> trace_and_determinant(const std::array<double, 4>& x) {
@@ -61,7 +46,7 @@ std::array<double, 4> four_steps(Oscillator& oscillator, double dt, bool implici
   std::array<double, 4> x;
   for (double& value : x) {
     value = oscillator.displacement();
-    step(oscillator.solid, oscillator.state, dt, none, implicit);
+    test::step_solid(oscillator.solid, oscillator.state, dt, none, implicit);
   }
   return x;
 }
@@ -108,7 +93,7 @@ TEST(ImplicitSprings, EnergyLostInAPeriodGrowsWithTheStep) {
     std::vector<double> crests;
     std::array<double, 3> x{0.0, 0.0, oscillator.displacement()};
     while (crests.size() < 3) {
-      step(oscillator.solid, oscillator.state, z / oscillator.frequency, none, true);
+      test::step_solid(oscillator.solid, oscillator.state, z / oscillator.frequency, none, true);
       x = {x[1], x[2], oscillator.displacement()};
       if (x[0] == 0.0 || x[1] <= x[0] || x[1] < x[2]) continue;
       const double slope = 0.5 * (x[2] - x[0]), curvature = x[0] - 2.0 * x[1] + x[2];
@@ -132,7 +117,8 @@ TEST(ImplicitSprings, CarryALastingLoadExactlyWhateverTheStep) {
     Oscillator oscillator(SpringIntegration::implicit_force);
     const double dt = z / oscillator.frequency;
     oscillator.state.particles.position[0][0] += rest;
-    for (int k = 0; k < 50; ++k) step(oscillator.solid, oscillator.state, dt, load, true);
+    for (int k = 0; k < 50; ++k)
+      test::step_solid(oscillator.solid, oscillator.state, dt, load, true);
     EXPECT_NEAR(oscillator.displacement(), rest, 1e-12) << z;
     // What load() says is what was applied.
     EXPECT_NEAR(oscillator.solid.load(oscillator.state)[0][0],
@@ -144,7 +130,7 @@ TEST(ImplicitSprings, CarryALastingLoadExactlyWhateverTheStep) {
     // = 1.
     Oscillator oscillator(SpringIntegration::implicit_force);
     for (int k = 0; k < 600; ++k)
-      step(oscillator.solid, oscillator.state, z / oscillator.frequency, load, true);
+      test::step_solid(oscillator.solid, oscillator.state, z / oscillator.frequency, load, true);
     EXPECT_NEAR(oscillator.displacement() / rest, 1.0, 1e-8) << z;
   }
 }
@@ -167,7 +153,7 @@ TEST(ImplicitSprings, ABentBodyRestsWhereForcesBalance) {
         state.particles, SpringIntegration::implicit_force);
     std::vector<Vector<2>> load(40, Vector<2>::Zero());
     for (std::size_t i = 36; i < 40; ++i) load[i] = {0.4, 0.1};
-    for (int n = 0; n < 1000; ++n) step(solid, state, dt, load, true);
+    for (int n = 0; n < 1000; ++n) test::step_solid(solid, state, dt, load, true);
     std::vector<Vector<2>> force;
     elastic_forces<2>(solid.network(), {state.particles.position.data(), 40}, force);
     for (std::size_t i = 0; i < 40; ++i)
@@ -264,7 +250,7 @@ TEST(ExplicitSprings, ABlockIsStableBelowTwoOverItsHighestFrequency) {
       state.particles.position[i] += small * Vector<2>(std::sin(7.3 * i), std::cos(3.1 * i));
     const std::vector<Vector<2>> none(30, Vector<2>::Zero());
     double largest = 0.0;
-    for (int n = 0; n < steps; ++n) step(solid, state, factor * limit, none, false);
+    for (int n = 0; n < steps; ++n) test::step_solid(solid, state, factor * limit, none, false);
     for (std::size_t i = 0; i < 30; ++i)
       largest =
           std::max(largest, (state.particles.position[i] - solid.network().reference[i]).norm());
