@@ -42,8 +42,10 @@ Measurements<dim>::Measurements(ParticleScene<dim>& scene, RecordWriter& record)
                           {"removed", "1"},
                           {"lost", "1"},
                           {"turned_back", "1"}});
-  declare("ledger_energy",
-          {{"kinetic_fluid", energy}, {"kinetic_solid", energy}, {"elastic", energy}});
+  std::vector<Column> energies = {
+      {"kinetic_fluid", energy}, {"kinetic_solid", energy}, {"elastic", energy}};
+  if (scene.solid && scene.solid->meets_others()) energies.push_back({"contact", energy});
+  declare("ledger_energy", std::move(energies));
   declare("ledger_divergence", {{"rms_divergence", "1/s"},
                                 {"pressure_iterations", "1"},
                                 {"pressure_residual", "1"},
@@ -113,7 +115,10 @@ void Measurements<dim>::ledgers() {
   for (std::size_t i = 0; i < particles.unknowns; ++i)
     kinetic[i < particles.solids] += 0.5 * particles.mass() * particles.velocity[i].squaredNorm();
   const double elastic = scene_.solid ? scene_.solid->energy(particles) : 0.0;
-  record_.append("ledger_energy", std::array{state.clock.time, kinetic[0], kinetic[1], elastic});
+  std::vector<double> energies{state.clock.time, kinetic[0], kinetic[1], elastic};
+  if (scene_.solid && scene_.solid->meets_others())
+    energies.push_back(scene_.solid->contact_energy(state));
+  record_.append("ledger_energy", energies);
   const auto& partition = state.support.partition();
   record_.append("ledger_divergence",
                  std::array{state.clock.time, simulation.remaining_divergence(),

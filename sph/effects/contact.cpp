@@ -101,17 +101,25 @@ bool Contact<dim>::near(const State<dim>& state) const {
 }
 
 template <int dim>
-std::vector<Touch<dim>> Contact<dim>::find(const State<dim>& state) const {
+std::vector<Touch<dim>> Contact<dim>::find(const State<dim>& state, double ahead) const {
   std::vector<Touch<dim>> touches;
   for (std::size_t i = 0; i < state.particles.solids; ++i) {
-    if (bodies_.size() > 1) touch_bodies(state, i, touches);
-    touch_walls(state, i, touches);
+    if (bodies_.size() > 1) touch_bodies(state, i, ahead, touches);
+    touch_walls(state, i, ahead, touches);
   }
   return touches;
 }
 
 template <int dim>
-void Contact<dim>::touch_bodies(const State<dim>& state, std::size_t solid,
+double Contact<dim>::energy(const State<dim>& state) const {
+  double sum = 0.0;
+  for (const auto& touch : find(state, 0.0))
+    sum += 0.5 * touch.stiffness * touch.overlap * touch.overlap;
+  return sum;
+}
+
+template <int dim>
+void Contact<dim>::touch_bodies(const State<dim>& state, std::size_t solid, double ahead,
                                 std::vector<Touch<dim>>& touches) const {
   const auto& particles = state.particles;
   const auto near = state.support.inner(solid);
@@ -140,7 +148,7 @@ void Contact<dim>::touch_bodies(const State<dim>& state, std::size_t solid,
       velocity -= face.share[k] * particles.velocity[face.node[k]];
       touch.nodes.push_back({face.node[k], -face.share[k] * face.normal});
     }
-    const double gap = face.distance + state.clock.time_step * velocity.dot(face.normal);
+    const double gap = face.distance + ahead * velocity.dot(face.normal);
     touch.overlap = particles.spacing - gap;
     if (touch.overlap <= 0.0) continue;
     const double modulus =
@@ -151,14 +159,14 @@ void Contact<dim>::touch_bodies(const State<dim>& state, std::size_t solid,
 }
 
 template <int dim>
-void Contact<dim>::touch_walls(const State<dim>& state, std::size_t solid,
+void Contact<dim>::touch_walls(const State<dim>& state, std::size_t solid, double ahead,
                                std::vector<Touch<dim>>& touches) const {
   const auto& particles = state.particles;
   const auto& walls = state.images.walls();
   for (std::size_t w = 0; w < walls.size(); ++w) {
     const auto& wall = walls[w];
     const double gap = wall.inward * (particles.position[solid][wall.axis] - wall.place +
-                                      state.clock.time_step * particles.velocity[solid][wall.axis]);
+                                      ahead * particles.velocity[solid][wall.axis]);
     const double overlap = nearest_to_wall_[w][solid] - gap;
     if (overlap <= 0.0) continue;
     const double modulus = bodies_[body_of_[solid]].youngs_modulus;

@@ -15,7 +15,7 @@ struct Touch {
     Vector<dim> gradient;  ///< of the gap; the gradients of one touch add up to 0 between bodies
   };
   std::vector<Node> nodes;
-  double overlap = 0.0;    ///< m, where the step leads
+  double overlap = 0.0;    ///< m
   double stiffness = 0.0;  ///< N/m (Pa in the plane)
 };
 
@@ -42,7 +42,14 @@ class Contact final : public TimeStepLimit<dim> {
           const std::vector<Wall<dim>>& walls);
 
   /// Where the solids would overlap at x + dt u.
-  std::vector<Touch<dim>> find(const State<dim>& state) const;
+  std::vector<Touch<dim>> find(const State<dim>& state) const {
+    return find(state, state.clock.time_step);
+  }
+
+  /// Stored in the compressed layer at x, J (J/m in the plane): the sum of k overlap^2 / 2, whose
+  /// slope along a touch's gap is the force that find() gives at rest. Faces of two blocks:
+  /// E dx/2 (1 - gap/dx)^2 per area; at a wall E dx/4 (1 - 2 gap/dx)^2.
+  double energy(const State<dim>& state) const;
 
   /// Twice what an elastic wave takes from one particle to the next, 2 dx / sqrt(E/rho) of the
   /// stiffest body, as long as two faces are closer than a spacing; else no bound. The pressure
@@ -54,10 +61,12 @@ class Contact final : public TimeStepLimit<dim> {
   std::string_view limit_name() const override { return "contact, 2 dx / sqrt(E/rho)"; }
 
  private:
+  /// `ahead`: s, how far along their velocities the particles are looked at.
+  std::vector<Touch<dim>> find(const State<dim>& state, double ahead) const;
   bool near(const State<dim>& state) const;
-  void touch_bodies(const State<dim>& state, std::size_t solid,
+  void touch_bodies(const State<dim>& state, std::size_t solid, double ahead,
                     std::vector<Touch<dim>>& touches) const;
-  void touch_walls(const State<dim>& state, std::size_t solid,
+  void touch_walls(const State<dim>& state, std::size_t solid, double ahead,
                    std::vector<Touch<dim>>& touches) const;
 
   std::vector<Body> bodies_;

@@ -50,7 +50,13 @@ class ElasticSolid final : public Acceleration<dim>,
   const ElasticNetwork<dim>& network() const { return network_; }
   /// Acceleration that all but the springs gave in the last step, m/s2, one per solid.
   std::vector<Vector<dim>> load(const State<dim>& state) const;
+  /// Stored in the bodies, J (J/m in the plane), contact's layer not among it.
   double energy(const Particles<dim>& particles) const;
+  bool meets_others() const { return contact_ != nullptr; }
+  /// Stored in the layer between what touches; see Contact.
+  double contact_energy(const State<dim>& state) const {
+    return contact_ ? contact_->energy(state) : 0.0;
+  }
 
  private:
   /// Forces of the network and of the bonds' laws on the nodes, into force_; tension_ and slope_

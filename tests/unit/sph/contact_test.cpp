@@ -75,7 +75,7 @@ struct Blocks {
     return sum;
   }
   double energy() const {
-    double sum = solid.energy(state.particles);
+    double sum = solid.energy(state.particles) + solid.contact_energy(state);
     for (const auto& u : state.particles.velocity)
       sum += 0.5 * state.particles.mass() * u.squaredNorm();
     return sum;
@@ -170,6 +170,83 @@ TEST(Contact, KeepsMomentumAndAngularMomentum) {
     if (x > 3.3 * dx && x < 5.2 * dx) {
       EXPECT_NEAR(moment, 0.0, 1e-10 * dx);
     }
+  }
+}
+
+/// Two blocks `columns` wide, rigid, face to face, `gap` between the rows that face each other.
+struct Pressed {
+  State<2> state;
+  Contact<2> contact;
+
+  Pressed(int columns, double gap, const std::vector<Wall<2>>& walls = {})
+      : state{test::particles_at<2>(places(columns, gap), dx, Role::solid),
+              Images<2>(walls),
+              {},
+              Kernel<2>(1.3 * dx),
+              {}},
+        contact({{0, each(columns), modulus, false},
+                 {each(columns), 2 * each(columns), modulus, false}},
+                at_rest(columns), walls) {
+    const auto& particles = state.particles;
+    state.images.mirror(particles, state.kernel.support_radius());
+    state.support.build(state.kernel, state.images.points(), particles.unknowns, particles.volume);
+  }
+  static std::size_t each(int columns) { return static_cast<std::size_t>(columns * high); }
+  static std::vector<Vector<2>> places(int columns, double gap) {
+    auto points = test::lattice<2>({columns, high}, dx);
+    const auto lower = points;
+    for (const auto& x : lower) points.push_back(x + Vector<2>(0.0, (high - 1) * dx + gap));
+    return points;
+  }
+  /// Far from each other and from any wall.
+  static Particles<2> at_rest(int columns) {
+    auto points = places(columns, 2.0 * dx);
+    for (auto& x : points) x[1] += 10.0 * dx;
+    return test::particles_at<2>(points, dx, Role::solid);
+  }
+  /// N/m, on the upper block.
+  Vector<2> force(int columns) const {
+    Vector<2> sum = Vector<2>::Zero();
+    for (const auto& touch : contact.find(state))
+      for (const auto& node : touch.nodes)
+        if (static_cast<std::size_t>(node.node) >= each(columns))
+          sum += touch.stiffness * touch.overlap * node.gradient;
+    return sum;
+  }
+};
+
+// A layer of thickness dx and modulus E: E/2 (1 - gap/dx)^2 dx per area, which is what pressing the
+// blocks together costs against the force on the upper one. Blocks of 12 and of 8 columns have the
+// same ends, so their difference is that of four columns between them. The force is linear in the
+// gap: the trapezoidal sum of its work is exact, as the faces meet at one of its places.
+TEST(Contact, StoresTheWorkDoneAgainstIt) {
+  const double most = 0.5 * modulus * 0.3 * 0.3 * dx * 4.0 * dx;
+  double work = 0.0, force_before = 0.0, gap_before = 1.05 * dx;
+  for (const double part : {1.05, 1.0, 0.95, 0.9, 0.8, 0.7}) {
+    const double gap = part * dx, strain = std::max(0.0, 1.0 - part);
+    const Pressed wider(12, gap), narrower(8, gap);
+    const double stored =
+        wider.contact.energy(wider.state) - narrower.contact.energy(narrower.state);
+    const double force = wider.force(12)[1] - narrower.force(8)[1];
+    work += 0.5 * (force_before + force) * (gap_before - gap);
+    force_before = force;
+    gap_before = gap;
+    EXPECT_NEAR(stored, 0.5 * modulus * strain * strain * dx * 4.0 * dx, 1e-9 * most) << part;
+    EXPECT_NEAR(stored, work, 1e-9 * most) << part;
+  }
+}
+
+// At a wall a layer of dx/2: E/2 (1 - 2 gap/dx)^2 dx/2 per area, over the lower block's columns,
+// whatever their speed.
+TEST(Contact, StoresTheWorkDoneAgainstAWall) {
+  for (const double part : {0.55, 0.5, 0.45, 0.3}) {
+    Pressed pressed(8, 40.0 * dx, {{1, (0.5 - part) * dx, 1, true}});
+    for (auto& u : pressed.state.particles.velocity) u = {0.0, -1.0};
+    pressed.state.clock.time_step = 1e-2;
+    const double strain = std::max(0.0, 1.0 - 2.0 * part);
+    EXPECT_NEAR(pressed.contact.energy(pressed.state),
+                0.5 * modulus * strain * strain * 0.5 * dx * 8.0 * dx, 1e-9 * modulus * dx * dx)
+        << part;
   }
 }
 
