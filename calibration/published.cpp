@@ -57,6 +57,7 @@ void publish(const std::filesystem::path& file, const Sheet& sheet, const Proven
   run["compiler"] = build::compiler;
   run["compiler_flags"] = build::compiler_flags;
   run["wall_seconds"] = provenance.seconds;
+  run["peak_memory_bytes"] = peak_memory_bytes();
   Json manifest;
   manifest["format"] = "sprung calibration 1";
   manifest["table"] = file.filename().string();

@@ -40,15 +40,14 @@ std::string json_version() {
          std::to_string(NLOHMANN_JSON_VERSION_PATCH);
 }
 
+}  // namespace
+
 double peak_memory_bytes() {
-  // Not getrusage's figure: that keeps what the process was before it became this program.
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)
     if (line.starts_with("VmHWM:")) return 1024.0 * std::stod(line.substr(6));  // in KiB
   return 0.0;
 }
-
-}  // namespace
 
 std::string utc_now() {
   const std::time_t now = std::time(nullptr);

@@ -32,6 +32,11 @@ struct FullManifest {
 /// "2025-01-31T12:00:00Z"
 std::string utc_now();
 
+/// The largest resident set of this program so far; 0 where the system does not tell. Not
+/// getrusage's figure: that keeps what the process was before it became this program, its
+/// launcher's memory.
+double peak_memory_bytes();
+
 std::string manifest_json(const FullManifest& manifest);
 
 /// Takes over start, costs and resumptions from `json`, the manifest of a run stopped earlier, and

@@ -2,11 +2,10 @@
 
 #include "scene/body_shape.hpp"
 
+#include "scene/manifest.hpp"
 #include "scene/progress.hpp"
 #include "sph/effects/carreau_yasuda.hpp"
 #include "sph/time_step.hpp"
-
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
@@ -182,9 +181,7 @@ std::string explain(Document& document, const ModulusTable& table) {
   const double count = std::ceil(scene.problem.end_time / step.value);
   const bool whole = steps.steps >= 0.9 * count;  // then the later steps were sampled, too
   const double expected = set_up + count * steps.per_step * (whole ? 1.0 : Sample::later);
-  constexpr double record_megabytes = 8.0;  // the record's buffers, measured, at any size
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
+  constexpr double record_bytes = 8e6;  // the record's buffers, measured, at any size
   text += fmt::format(
       "\nCost on this machine, one thread, from {} steps of this scene\n"
       "  {:.0f} steps of {:.3g} ms{}, {:.2g} s of set-up: {:.3g} s of processor time, within a "
@@ -194,7 +191,7 @@ std::string explain(Document& document, const ModulusTable& table) {
       steps.steps, count, 1e3 * steps.per_step,
       whole ? ""
             : fmt::format(" and {:.0f} % more once the flow moves", 100.0 * (Sample::later - 1.0)),
-      set_up, expected, double(usage.ru_maxrss) / 1024.0 + record_megabytes);
+      set_up, expected, 1e-6 * (peak_memory_bytes() + record_bytes));
   for (const auto& warning : scene.warnings) text += fmt::format("\nwarning: {}\n", warning);
   return text;
 }

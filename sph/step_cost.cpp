@@ -5,11 +5,11 @@
 /// reaches in the same process.
 
 #include "scene/command_line.hpp"
+#include "scene/manifest.hpp"
 #include "scene/progress.hpp"
 #include "sph/scene_setup.hpp"
 #include "sph/time_step.hpp"
 
-#include <sys/resource.h>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -113,8 +113,7 @@ void measure(int n, int steps, double tolerance, const std::string& table_file) 
   const auto bytes = least_bytes(pairs, median(iterations));
   double least = 0.0;
   for (const double b : bytes) least += b;
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);  // before the triad's arrays
+  const double memory = peak_memory_bytes();  // before the triad's arrays
   const double bandwidth = stream_bandwidth();
   fmt::print(
       "particles {:.0f}, threads {}, neighbours {:.1f}, iterations {:.0f}, triad {:.2f} GB/s\n",
@@ -131,8 +130,7 @@ void measure(int n, int steps, double tolerance, const std::string& table_file) 
       "step {:.3f} us/particle, fastest {:.1f} ms, slowest {:.1f} ms, peak memory {:.0f} "
       "bytes/particle\n",
       1e6 * median(whole) / particles, 1e3 * *std::min_element(whole.begin(), whole.end()),
-      1e3 * *std::max_element(whole.begin(), whole.end()),
-      1024.0 * double(usage.ru_maxrss) / particles);
+      1e3 * *std::max_element(whole.begin(), whole.end()), memory / particles);
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 """One run of a cost study of blocks of material (cost.toml's block = true): a point's overrides are options.
 
 Particles: sprung-calibrate cube OPTIONS; the finite elements: sprung-reference-solid OPTIONS. Both leave a table with
-one row that counts, the last. Cost is that of the whole process, by what the system counts for it.
+one row that counts, the last. Times are those of the whole process, by what the system counts for it; memory is what the
+program says in its manifest, for the system's count keeps what the process was before: this launcher.
 """
 
 import csv
@@ -36,7 +37,7 @@ def measured(command: list) -> tuple[int, dict]:
     _, status, used = os.wait4(child.pid, 0)
     child.returncode = os.waitstatus_to_exitcode(status)
     return child.returncode, {"processor_seconds": used.ru_utime + used.ru_stime, "wall_seconds": time.monotonic() - began,
-                              "peak_memory_bytes": 1024.0 * used.ru_maxrss, "threads": 1, "started": started,
+                              "threads": 1, "started": started,
                               "load_at_start": round(load, 2), "processor": processor()}
 
 
@@ -75,7 +76,8 @@ def run(plan: plans.Plan, point: plans.Point, repeat: int, program: Path, out: P
     made = json.loads(table.with_suffix(".json").read_text())
     made = made.get("run", made)
     answer = {"case": plan.case.name, "name": point.name, "repeat": repeat, "solver": point.solver,
-              "overrides": list(point.overrides), "outcome": "finished", **cost, "commit": made["commit"],
+              "overrides": list(point.overrides), "outcome": "finished", **cost,
+              "peak_memory_bytes": made["peak_memory_bytes"], "commit": made["commit"],
               "clean": made["clean"], "resumed": False, "unknowns": unknowns_of(row, point.overrides),
               "steps": int(row.get("steps", row.get("newton_iterations [1]", 0))), "time_step": 0.0, "phases": {},
               "numbers": {name: [[strain_of(row)]] for name in plan.quantities}, "missing": {}}
