@@ -88,6 +88,56 @@ TEST(Retreat, GoesBackWithHalfTheStepAndTellsSo) {
   test::expect_same_bytes(a, b);
 }
 
+/// |length/rest length - 1| of the most strained spring now.
+double most_strained(const ParticleScene<2>& scene) {
+  const auto& network = scene.solid->network();
+  const auto& position = scene.simulation->state().particles.position;
+  const auto at = [&](std::int32_t node) {
+    return std::size_t(node) < network.movable ? position[node] : network.reference[node];
+  };
+  double most = 0.0;
+  for (const Bond& bond : network.bonds)
+    most = std::max(most, std::abs((at(bond.a) - at(bond.b)).norm() / bond.rest_length - 1.0));
+  return most;
+}
+
+// The run that the record holds is the one up to the checkpoint, and from there on with half the
+// step: stepped here, its springs looked at after every step. The attempt that was given up
+// strained them more.
+TEST(Retreat, TellsTheStrainOfTheRunThatIsKept) {
+  const TemporaryFolder folder;
+  ChannelScene scene = beyond_the_limit();
+  const auto failed = folder.path() / "failed", kept = folder.path() / "kept";
+  ASSERT_EQ(test::run_scene(scene.document(), failed), Outcome::stopped);
+  const Archive good = read_archive(failed / "checkpoint.h5");
+  scene.sph += "retreat = true\n";
+  ASSERT_EQ(test::run_scene(scene.document(), kept), Outcome::finished);
+
+  Document document = scene.document();
+  ParticleScene<2> own =
+      set_up<2>(document, test::plane_modulus_table(folder.path() / "table.csv"));
+  const Clock& clock = own.simulation->state().clock;
+  const std::int64_t good_step = std::get<std::vector<std::int64_t>>(good.at("counters")).at(0);
+  double largest = 0.0;
+  own.simulation->stop_at(0.02);
+  while (clock.step < good_step) {
+    advance(*own.simulation);
+    largest = std::max(largest, most_strained(own));
+  }
+  own.simulation->restore(good);
+  own.simulation->shorten_steps(0.5);
+  own.simulation->stop_at(0.02);
+  while (clock.time < 0.02) {
+    advance(*own.simulation);
+    largest = std::max(largest, most_strained(own));
+  }
+  const auto told = [](const std::filesystem::path& out) {
+    return RecordReader(out).manifest_number("largest_spring_strain");
+  };
+  EXPECT_NEAR(told(kept), largest, 1e-12);
+  EXPECT_GT(told(failed), 1.5 * largest);
+}
+
 // What smaller steps do not cure ends after five retreats, not never.
 TEST(Retreat, GivesUpAfterFive) {
   const TemporaryFolder folder;
