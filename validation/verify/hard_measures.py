@@ -32,9 +32,14 @@ def amount(value) -> float:
     return quantity(value) if isinstance(value, str) else float(value)
 
 
-def scale_of(figure: dict, scene: Scene) -> float:
-    """What a value is divided by: "spacing", a quantity or a number; 1 where none is named."""
+def scale_of(figure: dict, scene: Scene, column) -> float:
+    """What a value is divided by: "spacing", "start" (the column's first value), a quantity or a number; 1 where none is
+    named."""
     scale = figure.get("scale", 1.0)
+    if scale == "start":
+        if column[0] == 0.0:
+            raise Missing(f"{figure['column']} is 0 at the start, no scale")
+        return float(column[0])
     return scene.spacing if scale == "spacing" else amount(scale)
 
 
@@ -119,9 +124,9 @@ def solid_over_fluid(record: Record, figure: dict) -> Finding:
 def series(record: Record, figure: dict) -> Finding:
     """max, min, last, mean, range or largest (in size) of a series' column from `from` on, over `scale`."""
     values = ledger(record, figure["series"])
-    scale = scale_of(figure, Scene.of_toml(record.manifest["scene_toml"]))
+    whole = values[figure["column"]]
     late = values["time"] >= amount(figure.get("from", 0.0)) - 1e-12
-    column = values[figure["column"]][late] / scale
+    column = whole[late] / scale_of(figure, Scene.of_toml(record.manifest["scene_toml"]), whole)
     if len(column) == 0:
         raise Missing(f"the run did not come to {figure['from']}")
     take = {"max": np.max, "min": np.min, "last": lambda v: v[-1], "mean": np.mean, "range": np.ptp,

@@ -7,10 +7,18 @@ import os
 import subprocess
 import sys
 import tempfile
+import tomllib
+import types
 import unittest
 from pathlib import Path
 
+import numpy as np
+
 ROOT = Path(sys.argv[1])
+sys.path.insert(0, str(ROOT / "validation" / "verify"))
+
+import hard_measures  # noqa: E402
+
 HERE = ROOT / "tests" / "unit" / "verification"
 CASE = ROOT / "validation" / "start_up_poiseuille"
 
@@ -159,9 +167,28 @@ class NumericsStudyTest(unittest.TestCase):
             self.assertGreater(picture.stat().st_size, 10_000)
 
 
+class HardMeasuresTest(unittest.TestCase):
+    """A figure of a hard case, on a series made of numbers."""
+
+    def record(self, spacing: str, count: list):
+        row = np.array(list(zip(range(len(count)), count)), dtype=[("time", float), ("particles", float)])
+        return types.SimpleNamespace(manifest={"scene_toml": f'[sph]\nspacing = "{spacing}"\n'}, series=lambda name: row)
+
+    def test_a_range_over_the_start_is_that_of_the_run_itself(self):
+        figure = tomllib.loads((ROOT / "validation/hard/books/hard.toml").read_text())["figure"]["count"]
+        for spacing, columns, rows in (("3.75 mm", 240, 80), ("7.5 mm", 120, 40)):  # the channel of 0.9 by 0.3 m
+            count = [columns * rows, (columns + 1) * rows, columns * rows]
+            found = hard_measures.measure(self.record(spacing, count), figure)
+            self.assertAlmostEqual(found.value, 1.0 / columns, delta=1e-12)
+
+    def test_what_starts_at_nothing_is_no_scale(self):
+        figure = {"kind": "series", "series": "s", "column": "particles", "take": "range", "scale": "start"}
+        with self.assertRaises(hard_measures.Missing):
+            hard_measures.measure(self.record("5 mm", [0, 4]), figure)
+
+
 class SlopeTest(unittest.TestCase):
     def test_slope(self):
-        sys.path.insert(0, str(ROOT / "validation" / "verify"))
         from verify import slope
         self.assertAlmostEqual(slope([0.4, 0.2, 0.1], [3 * s**1.7 for s in (0.4, 0.2, 0.1)]), 1.7)
         self.assertIsNone(slope([0.1], [0.2]))
