@@ -1,6 +1,7 @@
 #include "sph/simulation.hpp"
 
 #include "scene/progress.hpp"
+#include "sph/pressure/first_guess.hpp"
 
 #include <Eigen/LU>
 
@@ -382,6 +383,7 @@ void Simulation<dim>::solve_pressure() {
   double shift = 0.0;
   {
     const Stopwatch watch(seconds_[std::size_t(Action::pressure_assembly)]);
+    guess_newcomers(particles, state_.support);
     shift = mean_prescribed_pressure();
     for (double& psi : particles.pseudo_pressure) psi -= shift;
     matrix_.assemble(particles, state_.images, state_.support, state_.kernel, pressure_planes_,

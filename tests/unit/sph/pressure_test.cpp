@@ -1,3 +1,4 @@
+#include "sph/pressure/first_guess.hpp"
 #include "sph/pressure/solver.hpp"
 
 #include "tests/unit/sph/dense_matrix.hpp"
@@ -118,6 +119,50 @@ TEST(PressureMatrix, AnOutflowPinsThePressure) {
   box.matrix.multiply(constant, product);
   for (std::size_t i = 0; i < product.size(); ++i)
     EXPECT_NEAR(product[i], box.matrix.boundary_source()[i], 1e-12 * box.matrix.diagonal()[i]);
+}
+
+/// A lattice without walls; each particle's psi is value(x).
+template <typename Value>
+Particles<2> block_with_psi(const std::array<int, 2>& count, Support<2>& support, Value&& value) {
+  const double dx = 0.1;
+  auto particles = test::particles_at<2>(test::lattice<2>(count, dx), dx);
+  support.build(Kernel<2>(1.3 * dx), particles.position, particles.unknowns, particles.volume);
+  for (std::size_t i = 0; i < particles.unknowns; ++i)
+    particles.pseudo_pressure[i] = value(particles.position[i]);
+  return particles;
+}
+
+// On a lattice the neighbours lie opposite each other with equal coefficients: a linear field's
+// mean is its value at the middle.
+TEST(FirstGuess, OfANewcomerAmongALinearPressureIsItsValue) {
+  Support<2> support;
+  auto particles = block_with_psi(
+      {9, 9}, support, [](const Vector<2>& x) { return -40.0 + 3.0 * x[0] + 7.0 * x[1]; });
+  const auto before = particles.pseudo_pressure;
+  constexpr std::size_t middle = 40;
+  particles.pseudo_pressure[middle] = 0.0;
+  guess_newcomers(particles, support);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (i == middle)
+      EXPECT_NEAR(particles.pseudo_pressure[i], before[i], 1e-13 * 40.0);
+    else
+      EXPECT_EQ(particles.pseudo_pressure[i], before[i]);
+}
+
+// A column of newcomers, as a plug flow lets them in: they say nothing about each other.
+TEST(FirstGuess, OfAColumnOfNewcomersComesFromTheOthers) {
+  Support<2> support;
+  auto particles =
+      block_with_psi({8, 6}, support, [](const Vector<2>& x) { return x[0] < 0.1 ? 0.0 : -40.0; });
+  guess_newcomers(particles, support);
+  for (const double psi : particles.pseudo_pressure) EXPECT_NEAR(psi, -40.0, 1e-13 * 40.0);
+}
+
+TEST(FirstGuess, WithoutAnyPressureStaysZero) {
+  Support<2> support;
+  auto particles = block_with_psi({4, 4}, support, [](const Vector<2>&) { return 0.0; });
+  guess_newcomers(particles, support);
+  for (const double psi : particles.pseudo_pressure) EXPECT_EQ(psi, 0.0);
 }
 
 TEST(PressureMatrix, InflowColumnsHaveNoSay) {
