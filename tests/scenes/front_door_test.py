@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOT = Path(sys.argv[1])
 VERBS = ["check", "explain", "run", "reference", "calibrate", "validate", "study", "recommend", "report", "test"]
-WRONG_USE, NOT_THERE = 2, 4
+WRONG_USE, NOT_THERE, NO_BUILD = 2, 4, 5
 
 
 def sprung(*arguments, cwd="/", door=ROOT / "sprung"):
@@ -51,6 +51,8 @@ class FrontDoorTest(unittest.TestCase):
             (("study",), "numerics"),
             (("study", "cost", "hydrostatics"), "beam_in_channel"),
             (("recommend", "hydrostatics"), "beam_in_channel"),
+            (("test", "--label"), "one of: quick"),
+            (("test", "--label", "quik"), "'quik'"),
             (("--no-reference", "reference", "scene.toml"), "--no-reference"),
         ):
             with self.subTest(arguments):
@@ -65,6 +67,26 @@ class FrontDoorTest(unittest.TestCase):
                 answer = sprung(*arguments)
                 self.assertEqual(answer.returncode, NOT_THERE, answer.stderr)
                 self.assertIn(says, answer.stderr)
+
+    def test_packages_of_a_group_are_installed_for_what_asks_for_them_alone(self):
+        missing = ["ninja-build", "slurmctld", "slurmd", "slurm-client", "munge"]
+        fakes = {"dpkg-query": f'for p in "$@"; do case " {" ".join(missing)} " in *" $p "*) ;; *) echo "installed $p" ;; esac; done',
+                 "apt-get": f'[ "$1" = update ] || {{ echo "$@" >&2; exit 1; }}', "sudo": '"$@"'}
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in fakes.items():
+                fake = Path(folder) / name
+                fake.write_text(f"#!/bin/sh\n{text}\n")
+                fake.chmod(0o755)
+            environment = {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"}
+            environment.pop("SPRUNG_SKIP_PACKAGES", None)
+            for options, wanted in (((), missing[:1]), (("--label", "stability"), missing[:1]),
+                                    (("--label", "cluster"), missing), (("--all",), missing)):
+                with self.subTest(options):
+                    answer = subprocess.run([ROOT / "sprung", "test", *options], capture_output=True, text=True, timeout=30,
+                                            env=environment)
+                    self.assertEqual(answer.returncode, NO_BUILD, answer.stderr)
+                    asked = answer.stderr.splitlines()[0].split("installing Debian packages: ")[1].split()
+                    self.assertEqual(sorted(asked), sorted(wanted))
 
     def test_works_through_a_link_from_any_folder(self):
         with tempfile.TemporaryDirectory() as folder:
