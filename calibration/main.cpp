@@ -565,6 +565,7 @@ int main(int argc, char** argv) {
       ++k;
     else if (!std::string(argv[k]).starts_with("--out="))
       a.command += std::string(" ") + argv[k];
+  app.fallthrough();  // --out may stand behind a test's name
   app.add_option("--out", a.out, "folder of the tables")->capture_default_str();
   app.add_option("--area-stiffness", a.area_stiffness,
                  "measure only this row of the plane, isotropic bonds")

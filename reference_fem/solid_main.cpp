@@ -32,7 +32,7 @@ struct Arguments {
 void declare(CLI::App& app, Arguments& a) {
   app.add_option("--youngs-modulus", a.block.youngs_modulus, "Pa, at small strain")
       ->required()
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1e-3, 1e15));
   app.add_option("--poisson-ratio", a.block.poisson_ratio, "0.5: incompressible")
       ->capture_default_str();
   app.add_option("--size", a.size, "edges of the block, m")->expected(3)->capture_default_str();

@@ -103,6 +103,10 @@ def main(arguments: list[str]) -> int:
     except OSError as error:
         print(f"report: a record cannot be read: {error}", file=sys.stderr)
         return 2
+    except (ValueError, KeyError, TypeError) as error:
+        print(f"report: {folder} holds a comparison or a record that is damaged or of another version ({type(error).__name__}: "
+              f"{error}); ./sprung validate CASE --out {folder} makes it again", file=sys.stderr)
+        return 2
     drawn = draw_all(sides, folder / "figures")
     write_whole(folder / "report.html", render(sides, drawn).encode())
     return 0

@@ -48,6 +48,16 @@ class FrontDoorTest(unittest.TestCase):
             (("validate", "beam_in_channel", "--time-limit", "paper"), "RUN=SECONDS"),
             (("report",), "--help"),
             (("report", "/nowhere"), "comparison.json"),
+            (("report", ""), "takes the folder"),
+            (("validate", "beam_in_channel", "--against", "README.md"), "no baseline can be read there"),
+            (("validate", "beam_in_channel", "--against", "validation/beam_in_channel/baseline/quick.json"), "of level quick"),
+            (("validate", "beam_in_channel", "--quick", "--against", "validation/beam_in_channel/records/cost_study.json"),
+             "is no baseline"),
+            (("recommend", "beam_in_channel", "--check", "hydrostatics"), "hydrostatics/cost.toml"),
+            (("recommend", "beam_in_channel", "--error", "-3%"), "not '-3%'"),
+            (("recommend", "beam_in_channel", "--error", "1.2.3"), "not '1.2.3'"),
+            (("recommend", "beam_in_channel", "--time", "-5s"), "not '-5s'"),
+            (("recommend", "all", "--error", "-1%"), "not '-1%'"),
             (("study",), "numerics"),
             (("study", "cost", "hydrostatics"), "beam_in_channel"),
             (("recommend", "hydrostatics"), "beam_in_channel"),
@@ -56,9 +66,19 @@ class FrontDoorTest(unittest.TestCase):
             (("--no-reference", "reference", "scene.toml"), "--no-reference"),
         ):
             with self.subTest(arguments):
-                answer = sprung(*arguments)
+                answer = sprung(*arguments, cwd=ROOT)
                 self.assertEqual(answer.returncode, WRONG_USE, answer.stderr)
                 self.assertIn(says, answer.stderr)
+                self.assertNotIn("Traceback", answer.stderr)
+
+    def test_a_damaged_comparison_is_told(self):
+        for text in ("", "{}", "[1]", '{"reference": {"folder": "reference"}, "runs": []}', "\xff\xfe"):
+            with tempfile.TemporaryDirectory() as folder, self.subTest(text):
+                (Path(folder) / "comparison.json").write_text(text, encoding="latin-1")
+                answer = sprung("report", folder)
+                self.assertEqual(answer.returncode, WRONG_USE, answer.stderr)
+                self.assertIn(folder, answer.stderr)
+                self.assertNotIn("Traceback", answer.stderr)
 
     def test_what_is_not_there_yet_says_so(self):
         for arguments, says in ((("study", "accuracy_against_cost"), "accuracy_against_cost"),
@@ -87,6 +107,11 @@ class FrontDoorTest(unittest.TestCase):
                     self.assertEqual(answer.returncode, NO_BUILD, answer.stderr)
                     asked = answer.stderr.splitlines()[0].split("installing Debian packages: ")[1].split()
                     self.assertEqual(sorted(asked), sorted(wanted))
+
+    def test_the_exit_code_of_what_is_watched_over_gets_through(self):
+        script = """set -euo pipefail; eval "$(sed -n '/^watch_over()/,/^}/p' "$1")"; (exit 6) & watch_over $!; wait $watched"""
+        answer = subprocess.run(["bash", "-c", script, "bash", ROOT / "sprung"], capture_output=True, text=True, timeout=30)
+        self.assertEqual(answer.returncode, 6, answer.stderr)
 
     def test_works_through_a_link_from_any_folder(self):
         with tempfile.TemporaryDirectory() as folder:

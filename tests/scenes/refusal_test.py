@@ -73,6 +73,14 @@ class RefusalTest(unittest.TestCase):
             with self.subTest(override):
                 self.assert_refused(self.commands(["sph", "reference"], SCENE, override), says)
 
+    def test_options_that_are_no_finite_numbers(self):
+        for program, *words in (("sprung-calibrate", "cube", "--stress", "nan", "--out"),
+                                ("sprung-calibrate", "hold", "--seconds=nan", "--out"),
+                                ("sprung-reference-solid", "--youngs-modulus", "inf", "--out"),
+                                ("sprung-reference-solid", "--youngs-modulus=3e6", "--shear", "nan", "--out")):
+            if (PROGRAMS / program).exists():
+                self.assert_refused([[PROGRAMS / program, *words, self.out]], [words[-2]])
+
     def test_the_good_scene_is_sound(self):
         answer = subprocess.run([SPH, "check", SCENE], capture_output=True, text=True, timeout=60)
         self.assertEqual(answer.returncode, 0, answer.stderr)

@@ -60,9 +60,9 @@ def row(case: Path, wanted: float) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(prog="./sprung recommend all", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--error", default="3%")
-    options = parser.parse_args()
+    options = parser.parse_args(recommend.values_joined(sys.argv[1:]))
     try:
         wanted = recommend.parse_error(options.error)
     except recommend.NoAnswer as fault:

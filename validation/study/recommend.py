@@ -208,15 +208,18 @@ def for_time(table: list, solver: str, budget: float, floor: float, channel: lis
     return best
 
 
+NUMBER = r"\s*([0-9]+\.?[0-9]*(?:[eE][-+]?[0-9]+)?|\.[0-9]+)\s*"
+
+
 def parse_error(text: str) -> float:
-    match = re.fullmatch(r"\s*([0-9.]+)\s*(%?)\s*", text)
+    match = re.fullmatch(NUMBER + r"(%?)\s*", text)
     if not match or float(match[1]) <= 0.0:
         raise NoAnswer(f"--error takes a positive part, such as 3% or 0.03, not '{text}'")
     return float(match[1]) * (0.01 if match[2] else 1.0)
 
 
 def parse_time(text: str) -> float:
-    match = re.fullmatch(r"\s*([0-9.]+)\s*(s|min|h)?\s*", text)
+    match = re.fullmatch(NUMBER + r"(s|min|h)?\s*", text)
     if not match or float(match[1]) <= 0.0:
         raise NoAnswer(f"--time takes a positive time, such as 60s or 5min, not '{text}'")
     return float(match[1]) * {"s": 1.0, None: 1.0, "min": 60.0, "h": 3600.0}[match[2]]
@@ -351,6 +354,17 @@ def answer(case: Path, options: argparse.Namespace) -> dict:
     return found
 
 
+def values_joined(words: list) -> list:
+    """--error and --time with the word after them: a negative one is a wrong value, not another option."""
+    joined = []
+    for word in words:
+        if joined and joined[-1] in ("--error", "--time") and re.match(r"-[0-9.]", word):
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(prog="./sprung recommend", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -359,12 +373,12 @@ def main() -> int:
     wish.add_argument("--error")
     wish.add_argument("--time")
     wish.add_argument("--check", type=Path)
-    options = parser.parse_args()
+    options = parser.parse_args(values_joined(sys.argv[1:]))
     try:
         if options.check:
             return 0 if check(options.case.resolve(), options.check.resolve()) else NOT_REACHED
         found = answer(options.case.resolve(), options)
-    except NoAnswer as fault:
+    except (NoAnswer, plans.WrongPlan) as fault:
         say(str(fault))
         return WRONG_USE
     return 0 if any(found.values()) else NOT_REACHED

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""regression.py measure|accept|compare CASE-FOLDER --level LEVEL [...]: a run against an earlier, accepted one.
+"""regression.py measure|accept|check|compare CASE-FOLDER --level LEVEL [...]: a run against an earlier, accepted one.
 
 measure   runs what the limits are made of into --out: the case's judged run as it is, from several disordered starts,
           and with Young's modulus or viscosity 1 % larger; leaves limits.json
@@ -181,15 +181,20 @@ def same_scene(baseline: dict, record: Record) -> list:
     return sorted(key for key in (ours.keys() | theirs.keys()) - free if ours.get(key) != theirs.get(key))
 
 
-def compare(case: Path, options: argparse.Namespace) -> int:
+def read_baseline(options: argparse.Namespace) -> dict:
     try:
         baseline = json.loads(options.against.read_text())
-    except (OSError, json.JSONDecodeError) as fault:
+    except (OSError, ValueError) as fault:
         raise WrongUse(f"--against {options.against}: no baseline can be read there ({fault})") from None
-    if baseline.get("format") != "sprung baseline 1":
+    if not isinstance(baseline, dict) or baseline.get("format") != "sprung baseline 1":
         raise WrongUse(f"--against {options.against} is no baseline; validation/CASE/baseline holds those accepted")
     if baseline["level"] != options.level:
         raise WrongUse(f"the baseline is of level {baseline['level']}, the run of level {options.level}")
+    return baseline
+
+
+def compare(case: Path, options: argparse.Namespace) -> int:
+    baseline = read_baseline(options)
     record = record_in(options.runs, case, options.level)
     other = same_scene(baseline, record)
     if other:
@@ -244,7 +249,7 @@ def table(baseline: dict, record: Record, rows: list, worst: list) -> str:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["measure", "accept", "compare"])
+    parser.add_argument("what", choices=["measure", "accept", "check", "compare"])
     parser.add_argument("case", type=Path)
     parser.add_argument("--level", default="full")
     parser.add_argument("--program", type=Path)
@@ -255,6 +260,8 @@ def main() -> int:
     parser.add_argument("--against", type=Path)
     options = parser.parse_args()
     try:
+        if options.what == "check":
+            return 0 if read_baseline(options) else WRONG_USE
         return {"measure": measure, "accept": accept, "compare": compare}[options.what](options.case.resolve(), options)
     except (WrongUse, quantities.Missing, FileNotFoundError) as fault:
         say(str(fault))

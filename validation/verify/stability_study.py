@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from scene import Scene
+from scene import Scene, SceneMismatch
 from verify import ROOT, WRONG_USE, Runner, facts, keep_file, say, say_point, study_parser, write_whole
 
 from record import Record, quantity  # noqa: I001  (scene.py made the reader known)
@@ -154,7 +154,7 @@ class Study:
         raw = Scene.of_toml(options.scene.read_text())
         bodies = list(raw.table.get("solid", {}))
         if len(bodies) != 1:
-            raise ValueError(f"{options.scene}: the map is for a scene of one body, not of {len(bodies)}")
+            raise ValueError(f"the map is for a scene of one body, not of {len(bodies)}")
         modulus = f"solid.{bodies[0]}.youngs_modulus"
         self.axes = {"stiffness": (modulus, raw.number(modulus), "Pa"),
                      "viscosity": ("viscosity.dynamic", raw.number("viscosity.dynamic"), "Pa s"),
@@ -196,11 +196,11 @@ def main() -> int:
     options = parser.parse_args()
     options.out = options.out.resolve()
     options.out.mkdir(parents=True, exist_ok=True)
+    options.scene = options.scene.resolve()
     try:
-        options.scene = options.scene.resolve(strict=True)
         study = Study(options)
-    except (OSError, ValueError, KeyError) as fault:
-        say(str(fault))
+    except (OSError, ValueError, KeyError, SceneMismatch) as fault:
+        say(f"no stability map of {options.scene}: {getattr(fault, 'strerror', None) or fault}; name a scene file")
         return WRONG_USE
     points, rows, began = list(study.points(options.quick)), [], time.monotonic()
     for position, point in enumerate(points):
