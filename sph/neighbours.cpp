@@ -122,8 +122,8 @@ void Support<dim>::sort_into_cells(std::span<const Vector<dim>> points, double c
   for (std::size_t i = 0; i < n; ++i) cell_of_[i] = grid.number(grid.coordinates(points[i]));
   for (std::size_t i = 0; i < n; ++i) ++cell_begin_[cell_of_[i] + 1];
   std::partial_sum(cell_begin_.begin(), cell_begin_.end(), cell_begin_.begin());
-  for (auto& coordinate : sorted_) coordinate.resize(n);
-  sorted_index_.resize(n);
+  for (auto& coordinate : sorted_) coordinate.resize(n + 3);
+  sorted_index_.resize(n + 3);
   for (std::size_t i = 0; i < n; ++i) {
     const std::int32_t place = cell_begin_[cell_of_[i]]++;
     for (int d = 0; d < dim; ++d) sorted_[d][place] = points[i][d];
@@ -140,8 +140,8 @@ template <int dim>
 struct Found {
   /// A row of cells with more points than this is clumped beyond use, too.
   static constexpr std::int32_t most_in_row = 256;
-  static constexpr std::size_t room = most_neighbours<dim> + most_in_row;
-  std::array<std::int32_t, room> index;
+  static constexpr std::size_t room = most_neighbours<dim> + most_in_row + 4;
+  std::array<std::int32_t, room> index, shift;
   std::array<double, room> distance2, factor, value;
   std::size_t count = 0;
   bool overfull = false;
@@ -153,16 +153,23 @@ struct Found {
       overfull = true;
       return;
     }
-    for (std::int32_t s = first; s < last; ++s) {
-      double d2 = 0.0;
-      for (int d = 0; d < dim; ++d) {
-        const double r = x[d] - sorted[d][s];
-        d2 += r * r;
+    for (std::int32_t s = first; s < last; s += 4) {
+      std::array<double, 4> d2;
+#pragma omp simd
+      for (int q = 0; q < 4; ++q) {
+        double sum = 0.0;
+        for (int d = 0; d < dim; ++d) {
+          const double r = x[d] - sorted[d][s + q];
+          sum += r * r;
+        }
+        d2[q] = sum;
       }
       // Written before it is known to count: a branch here would be taken one time in two.
-      index[count] = number[s];
-      distance2[count] = d2;
-      count += d2 < radius2;
+      for (int q = 0; q < 4; ++q) {
+        index[count] = number[s + q];
+        distance2[count] = d2[q];
+        count += static_cast<int>(d2[q] < radius2) & static_cast<int>(s + q < last);
+      }
     }
   }
   /// Factor and value of the kernel at those found: a loop of its own over copies, which the
@@ -254,24 +261,36 @@ namespace {
 
 /// Writes what was found as a list of five parts: part p holds the indices from limit[p-1] on that
 /// are below limit[p]. Returns the sum of V W.
-template <int dim>
-double distribute(const Found<dim>& found, const std::array<std::int32_t, 4>& limit,
+template <bool weighted, int dim>
+double distribute(Found<dim>& found, const std::array<std::int32_t, 4>& limit,
                   std::span<const double> weights, SupportEnds& ends, std::int32_t* index,
                   double* factor) {
+  // The next place of each part stands in its own bits of one register: in memory each neighbour
+  // would wait until the place that the one before has moved on is written and read again.
+  constexpr int bits = 12;
+  static_assert(Found<dim>::room < 1 << bits && 5 * bits <= 64);
+  const std::size_t n = found.count;
   std::array<std::int32_t, 4> below{};
-  for (std::size_t k = 0; k < found.count; ++k)
-    for (int p = 0; p < 4; ++p) below[p] += found.index[k] < limit[p];
-  ends = {below[0], below[1], below[2], below[3], static_cast<std::int32_t>(found.count)};
-  std::array<std::int32_t, 5> place{0, below[0], below[1], below[2], below[3]};
+  for (std::size_t k = 0; k < n; ++k) {
+    std::int32_t part = 0;
+    for (int p = 0; p < 4; ++p) {
+      below[p] += found.index[k] < limit[p];
+      part += found.index[k] >= limit[p];
+    }
+    found.shift[k] = bits * part;
+  }
+  ends = {below[0], below[1], below[2], below[3], static_cast<std::int32_t>(n)};
+  std::uint64_t place = 0;
+  for (int p = 0; p < 4; ++p) place |= static_cast<std::uint64_t>(below[p]) << (bits * (p + 1));
   double sum = 0.0;
-  for (std::size_t k = 0; k < found.count; ++k) {
+  for (std::size_t k = 0; k < n; ++k) {
+    const int shift = found.shift[k];
+    const std::size_t to = place >> shift & ((1u << bits) - 1);
+    place += std::uint64_t{1} << shift;
     const std::int32_t j = found.index[k];
-    const int part = (j >= limit[0]) + (j >= limit[1]) + (j >= limit[2]) + (j >= limit[3]);
-    const std::int32_t to = place[part]++;
-    const double weight = weights.empty() ? 1.0 : weights[j];
     index[to] = j;
-    factor[to] = weight * found.factor[k];
-    sum += weight * found.value[k];
+    factor[to] = weighted ? weights[j] * found.factor[k] : found.factor[k];
+    sum += weighted ? weights[j] * found.value[k] : found.value[k];
   }
   return sum;
 }
@@ -323,8 +342,9 @@ void Support<dim>::collect(const Kernel<dim>& kernel, std::span<const Vector<dim
           std::min(block_first, owners), self,
           std::min(block_first + static_cast<std::int32_t>(support_block), owners), owners};
       first_[i] = write;
+      const auto write_list = weights.empty() ? distribute<false, dim> : distribute<true, dim>;
       partition_[i] =
-          own_value + distribute(found, limit, weights, ends_[i], &index_[write], &factor_[write]);
+          own_value + write_list(found, limit, weights, ends_[i], &index_[write], &factor_[write]);
       write += found.count;
     }
     overfull = overfull || found.overfull;
