@@ -294,9 +294,10 @@ void Simulation<dim>::correct_gradients() {
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < particles.unknowns; ++i) {
     const auto near = state_.support.of(i);
+    const Vector<dim> x = points[i];
     SymmetricMatrix<dim> outer;
     for (std::size_t k = 0; k < near.index.size(); ++k)
-      outer.add(near.gradient_factor[k], points[i] - points[near.index[k]]);
+      outer.add(near.gradient_factor[k], x - points[near.index[k]]);
     const Matrix<dim> moment = -particles.volume * outer.full();
     constexpr double least_determinant = 0.2;  // of the whole lattice's 1
     if (moment.determinant() <= least_determinant) {

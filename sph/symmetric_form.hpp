@@ -9,8 +9,10 @@
 
 namespace sprung::sph {
 
+/// Kept number by number: a matrix in the plane would be written to the stack so and read back as
+/// vectors, before the numbers are there (half the time of the correction's moments).
 template <int dim>
-using Matrix = Eigen::Matrix<double, dim, dim>;
+using Matrix = Eigen::Matrix<double, dim, dim, Eigen::DontAlign>;
 
 /// A symmetric matrix, its lower triangle row by row: xx, xy, yy, xz, yz, zz.
 template <int dim>
