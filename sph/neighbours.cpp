@@ -1,11 +1,12 @@
 #include "sph/neighbours.hpp"
 
+#include "sph/counting_sort.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -99,14 +100,12 @@ std::vector<std::int32_t> Support<dim>::cell_order(std::span<const Vector<dim>> 
                                                    std::size_t first, std::size_t last,
                                                    double cell) {
   const CellGrid<dim> grid(points, cell);
-  std::vector<std::int32_t> begin(grid.cells() + 1, 0);
-  std::vector<std::int32_t> order(last - first);
-  std::vector<std::int32_t> cell_of(last - first);
+  std::vector<std::int32_t> begin, cell_of(last - first), order(last - first);
   for (std::size_t i = first; i < last; ++i)
-    ++begin[(cell_of[i - first] = grid.number(grid.coordinates(points[i]))) + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  for (std::size_t i = first; i < last; ++i)
-    order[begin[cell_of[i - first]]++] = static_cast<std::int32_t>(i);
+    cell_of[i - first] = grid.number(grid.coordinates(points[i]));
+  counting_sort(cell_of, grid.cells(), begin, [&](std::size_t i, std::int32_t place) {
+    order[place] = static_cast<std::int32_t>(first + i);
+  });
   return order;
 }
 
@@ -115,22 +114,16 @@ template <int dim>
 void Support<dim>::sort_into_cells(std::span<const Vector<dim>> points, double cell) {
   const CellGrid<dim> grid(points, cell);
   const std::size_t n = points.size();
-  const int cells = grid.cells();
-  cell_begin_.assign(cells + 1, 0);
   cell_of_.resize(n);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) cell_of_[i] = grid.number(grid.coordinates(points[i]));
-  for (std::size_t i = 0; i < n; ++i) ++cell_begin_[cell_of_[i] + 1];
-  std::partial_sum(cell_begin_.begin(), cell_begin_.end(), cell_begin_.begin());
-  for (auto& coordinate : sorted_) coordinate.resize(n + 3);
-  sorted_index_.resize(n + 3);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::int32_t place = cell_begin_[cell_of_[i]]++;
+  constexpr std::size_t read_beyond = 3;  // by Found::add_row, which takes four at a time
+  for (auto& coordinate : sorted_) coordinate.resize(n + read_beyond);
+  sorted_index_.resize(n + read_beyond);
+  counting_sort(cell_of_, grid.cells(), cell_begin_, [&](std::size_t i, std::int32_t place) {
     for (int d = 0; d < dim; ++d) sorted_[d][place] = points[i][d];
     sorted_index_[place] = static_cast<std::int32_t>(i);
-  }
-  for (int c = cells; c > 0; --c) cell_begin_[c] = cell_begin_[c - 1];
-  cell_begin_[0] = 0;
+  });
 }
 
 namespace {

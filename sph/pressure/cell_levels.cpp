@@ -1,8 +1,9 @@
 #include "sph/pressure/cell_levels.hpp"
 
+#include "sph/counting_sort.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 namespace sprung::sph {
@@ -122,14 +123,10 @@ void CellLevels::build(const PressureMatrix& matrix, const CellMap& map) {
 void CellLevels::collect_pairs(const PressureMatrix& matrix, const CellMap& map) {
   Level& level = levels_[0];
   const std::size_t n = matrix.rows();
-  begin_.assign(level.cells() + 1, 0);
-  for (std::size_t i = 0; i < n; ++i) ++begin_[map.cell_of[i] + 1];
-  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
   member_.resize(n);
-  for (std::size_t i = 0; i < n; ++i)
-    member_[begin_[map.cell_of[i]]++] = static_cast<std::int32_t>(i);
-  for (std::size_t c = level.cells(); c > 0; --c) begin_[c] = begin_[c - 1];
-  begin_[0] = 0;
+  counting_sort(map.cell_of, level.cells(), begin_, [&](std::size_t i, std::int32_t place) {
+    member_[place] = static_cast<std::int32_t>(i);
+  });
   upper_.assign(level.coefficient.size(), 0.0);
   const int slots = level.slots, self = slots / 2;
   const auto cells = static_cast<std::ptrdiff_t>(level.cells());

@@ -1,5 +1,6 @@
 #include "sph/neighbours.hpp"
 
+#include "sph/counting_sort.hpp"
 #include "tests/unit/sph/particle_blocks.hpp"
 
 #include <gtest/gtest.h>
@@ -44,6 +45,17 @@ void expect_all_pairs(const std::vector<Vector<dim>>& points, std::size_t owners
   }
   EXPECT_EQ(support.pairs(), pairs);
   EXPECT_GT(pairs, owners);  // the comparison was not empty
+}
+
+// By hand: bucket 1 stays empty, and equal items keep their order.
+TEST(CountingSort, KeepsTheOrderWithinABucket) {
+  const std::vector<std::int32_t> bucket_of{3, 0, 2, 3, 0, 3};
+  std::vector<std::int32_t> begin, order(bucket_of.size());
+  counting_sort(bucket_of, 4, begin, [&](std::size_t i, std::int32_t place) {
+    order[place] = static_cast<std::int32_t>(i);
+  });
+  EXPECT_EQ(order, (std::vector<std::int32_t>{1, 4, 2, 0, 3, 5}));
+  EXPECT_EQ(begin, (std::vector<std::int32_t>{0, 2, 2, 3, 6}));
 }
 
 TEST(Support, PlaneLatticeEqualsAllPairs) {
