@@ -106,6 +106,14 @@ def request(program: Path, scene: Path, arguments: list) -> str:
                       *(f"argument {one}" for one in arguments)]) + "\n"
 
 
+def manifest_reads(file: Path) -> bool:
+    """Whether there is a manifest that is not damaged: a disk that was full leaves an empty one."""
+    try:
+        return isinstance(json.loads(file.read_text()), dict)
+    except (OSError, ValueError):
+        return False
+
+
 class Runner:
     """Runs a solver; `verb` is what its command line begins with, nothing for the finite element reference."""
 
@@ -121,11 +129,12 @@ class Runner:
         folder.parent.mkdir(parents=True, exist_ok=True)
         asked, answered = folder.with_name(folder.name + ".asked"), folder.with_name(folder.name + ".answered")
         wanted = request(self.program, scene, arguments)
-        if (folder / "manifest.json").exists() and answered.exists() and answered.read_text() == wanted:
+        readable = manifest_reads(folder / "manifest.json")
+        if readable and answered.exists() and answered.read_text() == wanted:
             say(f"{label}: already there")
             return ""
         how = ["--overwrite"]
-        if asked.exists() and asked.read_text() == wanted:
+        if readable and asked.exists() and asked.read_text() == wanted:
             how.append("--resume")  # from the last checkpoint; from the start where there is none
         answered.unlink(missing_ok=True)
         asked.write_text(wanted)

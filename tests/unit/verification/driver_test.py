@@ -105,6 +105,16 @@ class DriverTest(unittest.TestCase):
         self.verify()
         self.assertEqual((self.out / "one" / "50mm" / "runs").read_text(), "xx")
 
+    def test_a_damaged_record_is_made_again(self):
+        self.verify("--quick")
+        before = self.result()
+        for file in self.out.glob("*/*/manifest.json"):
+            file.write_text("")
+        answer = self.verify("--quick")
+        self.assertNotIn("Traceback", answer.stderr)
+        self.assertNotIn("already there", answer.stderr)
+        self.assertEqual(self.result()["series"]["one"]["checks"], before["series"]["one"]["checks"])
+
     def test_a_refused_scene_is_told_and_not_judged(self):
         self.retitle("refused")
         answer = self.verify()
