@@ -183,27 +183,35 @@ const BodyRange& Measurements<dim>::body_named(const std::string& name) const {
                        [&](const BodyRange& body) { return body.name == name; });
 }
 
+/// By Gauss's rule, two points on every two spacings: the midpoint rule finds 1 / (2 n^2) too much
+/// of a parabola n spacings wide, 0.03 % of the flow at n = 40.
 template <int dim>
 double Measurements<dim>::outflow_flux() const {
   const auto& simulation = *scene_.simulation;
   const auto& state = simulation.state();
-  const double dx = state.particles.spacing;
+  const auto& box = scene_.problem.channel;
   double flux = 0.0;
   for (const auto& side : simulation.pressure_sides()) {
     const auto& plane = side.plane();
-    std::vector<Vector<dim>> places;
-    const auto& box = scene_.problem.channel;
     std::array<long, dim> count;
-    for (int d = 0; d < dim; ++d)
-      count[d] = d == plane.axis ? 1 : std::lround((box.to[d] - box.from[d]) / dx);
+    Vector<dim> width = Vector<dim>::Ones();
+    for (int d = 0; d < dim; ++d) {
+      const double length = box.to[d] - box.from[d];
+      const long pairs = std::max(1L, std::lround(0.5 * length / state.particles.spacing));
+      count[d] = d == plane.axis ? 1 : 2 * pairs;
+      if (d != plane.axis) width[d] = length / static_cast<double>(count[d]);
+    }
+    const double first = 1.0 - 1.0 / std::sqrt(3.0);  // in widths from the pair's outer ends
+    std::vector<Vector<dim>> places;
     for_each_index<dim>(count, [&](const std::array<long, dim>& at) {
       Vector<dim> x;
-      for (int d = 0; d < dim; ++d) x[d] = box.from[d] + (at[d] + 0.5) * dx;
+      for (int d = 0; d < dim; ++d)
+        x[d] = box.from[d] + (at[d] + (at[d] % 2 == 0 ? first : 1.0 - first)) * width[d];
       x[plane.axis] = plane.place - plane.outward * 1.5 * state.kernel.support_radius();
       places.push_back(x);
     });
     for (const auto& u : velocity_at(state, places))
-      flux += plane.outward * u[plane.axis] * std::pow(dx, dim - 1);
+      flux += plane.outward * u[plane.axis] * width.prod();
   }
   return flux;
 }

@@ -35,7 +35,7 @@ Numerics recommended() {
           .normalised_gradient = true,
           .gradient_correction = true,
           .position_update = PositionUpdate::new_velocity,
-          .shifting = Shifting::fickian,
+          .shifting = Shifting::sliding,
           .density_feedback = 0.5,
           .pressure_tolerance = 1e-3,
           .pressure_solver = PressureSolverKind::two_level,

@@ -472,6 +472,7 @@ void Simulation<dim>::move_particles() {
     displacement_[i] =
         mean ? Vector<dim>(0.5 * dt * (particles.velocity[i] + particles.predicted_velocity[i]))
              : Vector<dim>(dt * particles.velocity[i]);
+  for (const auto& side : pressure_sides_) side.keep_volume(particles, displacement_);
   for (const auto& motion : effects_.motion) motion->add_displacement(state_, displacement_);
   for (std::size_t i = 0; i < particles.size(); ++i) {
     particles.position[i] += displacement_[i];

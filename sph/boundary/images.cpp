@@ -24,6 +24,7 @@ template <int dim>
 void Images<dim>::mirror_in_shapes(double reach) {
   image_in_.assign(shaped_.size(), std::vector<std::int32_t>(particles_, -1));
   normal_.clear();
+  spread_.clear();
   for (std::size_t s = 0; s < shaped_.size(); ++s) {
     const std::size_t begin = parent_.size();
     for (std::int32_t i = 0; i < particles_; ++i) {
@@ -35,6 +36,7 @@ void Images<dim>::mirror_in_shapes(double reach) {
       add(points_[i] - 2.0 * view->distance * view->normal, i, weight);
       shape_of_.back() = static_cast<std::int32_t>(s);
       normal_.push_back(view->normal);
+      spread_.push_back(view->divergence_of_normals());
     }
     runs_.push_back({Rule::shaped, s, begin, parent_.size()});
   }
@@ -149,7 +151,7 @@ typename Images<dim>::OppositePair Images<dim>::opposite(std::int32_t i, std::in
 template <int dim>
 template <bool viscous>
 void Images<dim>::extend(const std::vector<Vector<dim>>& velocity,
-                         std::vector<Vector<dim>>& extended) const {
+                         std::vector<Vector<dim>>& extended, const Laplacian* laplacian) const {
   extended.resize(points_.size());
   std::copy(velocity.begin(), velocity.end(), extended.begin());
   for (const Run& run : runs_) {
@@ -161,18 +163,33 @@ void Images<dim>::extend(const std::vector<Vector<dim>>& velocity,
       const bool turn_all = viscous && wall.no_slip;
       for (std::size_t m = run.begin; m < run.end; ++m) {
         Vector<dim> u = extended[parent_[m]];
-        if (turn_all)
+        if (turn_all) {
           u = 2.0 * wall.velocity - u;
-        else
+          // An image's image, in a corner, is left at that.
+          const std::int32_t parent = parent_[m];
+          if (laplacian && parent < particles_) {
+            const double y = points_[parent][wall.axis] - wall.place;
+            u += y * y * laplacian->factor * laplacian->field[parent];
+          }
+        } else
           u[wall.axis] = -u[wall.axis];
         extended[particles_ + m] = u;
       }
     } else {
       const bool turn_all = viscous && shaped_[run.of].no_slip;
       for (std::size_t m = run.begin; m < run.end; ++m) {
-        const Vector<dim> u = extended[parent_[m]];
-        extended[particles_ + m] =
-            turn_all ? Vector<dim>(-u) : Vector<dim>(u - 2.0 * u.dot(normal_[m]) * normal_[m]);
+        const std::int32_t parent = parent_[m];
+        const Vector<dim> u = extended[parent];
+        if (!turn_all) {
+          extended[particles_ + m] = u - 2.0 * u.dot(normal_[m]) * normal_[m];
+          continue;
+        }
+        extended[particles_ + m] = -u;
+        if (!laplacian) continue;
+        const double y = 0.5 * (points_[parent] - points_[particles_ + m]).norm();
+        extended[particles_ + m] +=
+            y / (1.0 + 0.5 * spread_[m] * y) *
+            (y * laplacian->factor * laplacian->field[parent] - spread_[m] * u);
       }
     }
   }
@@ -181,13 +198,21 @@ void Images<dim>::extend(const std::vector<Vector<dim>>& velocity,
 template <int dim>
 void Images<dim>::extend_for_viscosity(const std::vector<Vector<dim>>& velocity,
                                        std::vector<Vector<dim>>& extended) const {
-  extend<true>(velocity, extended);
+  extend<true>(velocity, extended, nullptr);
+}
+
+template <int dim>
+void Images<dim>::extend_for_viscosity(const std::vector<Vector<dim>>& velocity,
+                                       const std::vector<Vector<dim>>& field, double factor,
+                                       std::vector<Vector<dim>>& extended) const {
+  const Laplacian laplacian{field, factor};
+  extend<true>(velocity, extended, &laplacian);
 }
 
 template <int dim>
 void Images<dim>::extend_for_divergence(const std::vector<Vector<dim>>& velocity,
                                         std::vector<Vector<dim>>& extended) const {
-  extend<false>(velocity, extended);
+  extend<false>(velocity, extended, nullptr);
 }
 
 template class Images<2>;

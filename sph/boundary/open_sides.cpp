@@ -97,13 +97,11 @@ void InflowSide<dim>::exchange(Particles<dim>& particles, double time, ParticleB
 
 template <int dim>
 double InflowSide<dim>::flux(double time) const {
-  constexpr int points = 2000;
-  const int across = plane_.axis == 0 ? 1 : 0;
-  const double height = high_[across] - low_[across];
   double sum = 0.0;
-  for (int k = 0; k < points; ++k)
-    sum += inflow_.speed((k + 0.5) / points * height, height, time) * height / points;
-  return dim == 3 ? sum * (high_[2] - low_[2]) : sum;
+  for_each_site<dim>(plane_, low_, high_, spacing_, 1, [&](const Vector<dim>& x) {
+    sum -= plane_.outward * velocity_at(x, time)[plane_.axis];
+  });
+  return sum * std::pow(spacing_, dim - 1);
 }
 
 template <int dim>
@@ -215,6 +213,18 @@ void PressureColumns<dim>::copy_velocity(Particles<dim>& particles,
   const double reach = depth() + spacing_ + kernel.support_radius();
   const auto velocity = averages_near_plane(particles, plane_, reach, mirrored, kernel);
   for (std::size_t k = 0; k < target.size(); ++k) particles.velocity[target[k]] = velocity[k];
+}
+
+template <int dim>
+void PressureColumns<dim>::keep_volume(const Particles<dim>& particles,
+                                       std::vector<Vector<dim>>& displacement) const {
+  for (std::size_t i = particles.unknowns; i < particles.size(); ++i) {
+    if (particles.role[i] != Role::outflow || !owns(particles.position[i])) continue;
+    const double normal = displacement[i][plane_.axis];
+    if (plane_.outward * normal <= 0.0) continue;
+    displacement[i] = -displacement[i];
+    displacement[i][plane_.axis] = normal;
+  }
 }
 
 template <int dim>

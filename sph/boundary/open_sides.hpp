@@ -32,7 +32,7 @@ class InflowSide {
   /// Whether a fluid particle has drifted out against the inflow. One that has just entered may be
   /// shifted back over the side by a hair; it is carried in again.
   bool upstream(const Vector<dim>& x) const { return plane_.depth(x) > 0.5 * spacing_; }
-  /// Volume flux into the domain, m2/s (m3/s in space), at time t.
+  /// Volume flux that the rows carry into the domain, m2/s (m3/s in space), at time t.
   double flux(double time) const;
   const OpenPlane<dim>& plane() const { return plane_; }
 
@@ -59,6 +59,11 @@ class PressureColumns {
   void prescribe(Particles<dim>& particles, double time, const Vector<dim>& balanced) const;
   /// Gives the columns the velocity of the interior at the mirrored place (kernel average).
   void copy_velocity(Particles<dim>& particles, const Kernel<dim>& kernel) const;
+  /// Turns the displacement along the side round where the columns move outwards. Copied as it is,
+  /// a flow that still bends at the side is not free of divergence in the columns: where it speeds
+  /// up along a wall they would pile up in the corner. (u_n, -u_t) of the mirrored place is free of
+  /// it. Where they come in, particles on both sides of the plane must not part ways.
+  void keep_volume(const Particles<dim>& particles, std::vector<Vector<dim>>& displacement) const;
   double depth() const { return columns_ * spacing_; }
   /// Whether a particle has passed the outermost column.
   bool beyond(const Vector<dim>& x) const { return plane_.depth(x) > depth(); }

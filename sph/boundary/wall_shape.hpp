@@ -19,6 +19,12 @@ struct WallView {
   /// positive where normals diverge (the outside of a cylinder). In the plane the product is 0.
   double curvature_sum = 0.0;
   double curvature_product = 0.0;
+  /// div n at the place, 1/m: the sum of the curvatures of the parallel surface through it.
+  double divergence_of_normals() const {
+    const double d = distance;
+    return (curvature_sum + 2.0 * curvature_product * d) /
+           (1.0 + curvature_sum * d + curvature_product * d * d);
+  }
   /// Volume of a small region mirrored in the wall over its own: parallel surfaces at distances d
   /// and -d have areas in the ratio prod(1 - k d) / prod(1 + k d). At least 0.
   double mirrored_volume() const {

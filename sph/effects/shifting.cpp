@@ -24,15 +24,9 @@ Vector<dim> ShiftingEffect<dim, Direction>::direction(
     mean_distance /= static_cast<double>(near.index.size());
     return mean_distance * mean_distance * sum;
   } else {
-    const Kernel<dim> kernel = state.kernel;
-    const double inverse = 1.0 / kernel.value(state.particles.spacing);
-    for (std::size_t k = 0; k < near.index.size(); ++k) {
-      const Vector<dim> r = points[i] - points[near.index[k]];
-      const double ratio = inverse * kernel.value(std::sqrt(r.squaredNorm()));
-      const double ratio2 = ratio * ratio;
-      sum -= (1.0 + 0.2 * ratio2 * ratio2) * near.gradient_factor[k] * r;
-    }
-    return kernel.smoothing_length() * state.particles.volume * sum;
+    for (std::size_t k = 0; k < near.index.size(); ++k)
+      sum -= near.gradient_factor[k] * (points[i] - points[near.index[k]]);
+    return state.kernel.smoothing_length() * state.particles.volume * sum;
   }
 }
 
@@ -45,9 +39,9 @@ void ShiftingEffect<dim, Direction>::add_displacement(State<dim>& state,
   constexpr bool local = std::is_same_v<Direction, SlidingDirection>;
   const double dt = state.clock.time_step, h = state.kernel.smoothing_length();
   double fastest2 = 0.0;
-  if constexpr (!local)
-    for (std::size_t i = 0; i < particles.unknowns; ++i)
-      fastest2 = std::max(fastest2, particles.velocity[i].squaredNorm());
+  for (std::size_t i = 0; i < particles.unknowns; ++i)
+    fastest2 = std::max(fastest2, particles.velocity[i].squaredNorm());
+  const double fastest = std::sqrt(fastest2);
   // A particle is never moved by more than a tenth of the spacing, in any direction.
   const double cap = 0.1 * particles.spacing;
   const std::size_t n = particles.unknowns;
@@ -56,7 +50,9 @@ void ShiftingEffect<dim, Direction>::add_displacement(State<dim>& state,
     const auto near = state.support.of(i);
     if (near.index.empty()) continue;
     const Matrix<dim> gradient = velocity_gradient(state, extended, i);
-    const double speed = local ? h * gradient.norm() : std::sqrt(fastest2);
+    double speed = fastest;
+    if constexpr (local)
+      speed = std::max(h * gradient.norm(), SlidingDirection::least_part * fastest);
     Vector<dim> shift = coefficient_ * speed * dt * direction(state, i, near);
     const double length = shift.norm();
     if (length > cap) shift *= cap / length;

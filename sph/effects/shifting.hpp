@@ -13,18 +13,21 @@ struct XuDirection {
 };
 
 /// Lind, Xu, Stansby & Rogers (2012, J. Comput. Phys. 231, Eqs. 18-25) in the form of Skillen et
-/// al. (2013): by C h u_max dt down the gradient of concentration, sum_j V (1 + 0.2 (W_ij /
-/// W(dx))^4) grad W_ij, where the second part keeps pairs from clumping.
+/// al. (2013): by C h u_max dt down the gradient of concentration, sum_j V grad W_ij. Their second
+/// part against pairs, 0.2 (W_ij / W(dx))^4 in the sum, is left out: it depends on the order of the
+/// particles and not on their number alone, so it moves them from sheared rows to orderly ones for
+/// ever, and the velocity that brings them back carries momentum across the flow (sph/METHOD.md).
 struct FickianDirection {
   static constexpr double default_coefficient = 0.5;
 };
 
-/// The same direction by C h^2 |grad u| dt, with the particle's own velocity gradient (Frobenius
-/// norm): disorder grows as neighbours slide past each other, not as the fluid flows. What shifting
-/// costs then falls with the spacing, and a uniform motion changes nothing; but where a body starts
-/// a flow it shifts too late (sph/METHOD.md), so it is a choice and not the default.
+/// The same direction by C h dt max(h |grad u|, u_max / 10), with the particle's own velocity
+/// gradient (Frobenius norm): disorder grows as neighbours slide past each other, not as the fluid
+/// flows, so what shifting costs falls with the spacing. The second part is for places where the
+/// disorder arrives before the shear does (sph/METHOD.md).
 struct SlidingDirection : FickianDirection {
-  static constexpr double default_coefficient = 3.0;
+  static constexpr double default_coefficient = 6.0;
+  static constexpr double least_part = 1.0 / 10.0;  ///< of the fastest velocity
 };
 
 template <int dim, typename Direction>

@@ -20,7 +20,11 @@ void ViscosityEffect<dim, Law>::add_acceleration(const State<dim>& state,
                                                  std::vector<Vector<dim>>& acceleration) {
   const auto& particles = state.particles;
   auto& extended = state.extended_velocity;
-  state.images.extend_for_viscosity(particles.velocity, extended);
+  if constexpr (requires { Law::diffusion_is_laplacian; })
+    state.images.extend_for_viscosity(particles.velocity, previous_diffusion_, -1.0 / nu_,
+                                      extended);
+  else
+    state.images.extend_for_viscosity(particles.velocity, extended);
   // Adams-Bashforth for a step that may differ from the one before; 3/2 and 1/2 for equal steps.
   // The first step has no past and is taken forward in time.
   const Clock& clock = state.clock;

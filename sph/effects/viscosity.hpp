@@ -16,6 +16,8 @@ struct Newtonian {
   void update(const State<dim>&, const std::vector<Vector<dim>>&) {}
   static constexpr double of_pair(const State<dim>&, std::size_t, std::int32_t) { return 1.0; }
   static constexpr double largest_ratio() { return 1.0; }
+  /// D is nu times the Laplacian, so the last one tells how the profile bends at a wall.
+  static constexpr bool diffusion_is_laplacian = true;
 };
 
 /// `Law`: Newtonian or CarreauYasudaLaw, viscosities over `kinematic_viscosity`.

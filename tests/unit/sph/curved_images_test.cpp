@@ -101,6 +101,30 @@ TEST(CurvedImages, NoSlipTurnsTheVelocityRoundAndFreeSlipItsNormalPart) {
   }
 }
 
+// Inside a pipe of radius R the flow R^2 - r^2, Laplacian -4, is 2 R y - y^2 at a distance y from
+// the wall, and goes on across it. Outside a cylinder log(1 + s), s = y / R, has no Laplacian; what
+// it becomes is off by 2 s^3 - 10/3 s^4 + ... (by series), where the plain mirror is off by s^2.
+TEST(CurvedImages, WithTheLaplacianAProfileGoesOnAcrossANoSlipWall) {
+  const double radius = 0.5;
+  for (const double y : {0.02, 0.05, 0.1, 0.15}) {
+    const auto inside = test::particles_at<3>({{radius - y, 0.0, 0.3}}, 0.1);
+    Images<3> pipe({}, {}, {round_wall<3>(radius, true, true)});
+    pipe.mirror(inside, 0.2);
+    std::vector<Vector<3>> extended;
+    pipe.extend_for_viscosity({{0.0, 0.0, 2.0 * radius * y - y * y}}, {{0.0, 0.0, -2.0}}, 2.0,
+                              extended);
+    EXPECT_NEAR(extended[1][2], -2.0 * radius * y - y * y, 1e-15);
+
+    const auto outside = test::particles_at<2>({{radius + y, 0.0}}, 0.1);
+    Images<2> cylinder({}, {}, {round_wall<2>(radius, false, true)});
+    cylinder.mirror(outside, 0.2);
+    std::vector<Vector<2>> beyond;
+    const double s = y / radius;
+    cylinder.extend_for_viscosity({{0.0, std::log1p(s)}}, {{0.0, 0.0}}, 1.0, beyond);
+    EXPECT_NEAR(beyond[1][1], std::log1p(-s), 2.0 * s * s * s);
+  }
+}
+
 TEST(CurvedImages, APlaceOutsideIsTurnedBack) {
   Images<2> images({}, {}, {round_wall<2>(0.5, true, true)});
   images.mirror(test::particles_at<2>({{0.0, 0.0}}, 0.1), 0.2);  // tells the reach

@@ -84,6 +84,24 @@ TEST(Images, MovingWallIsMetHalfWay) {
   EXPECT_NEAR((0.5 * (extended[0] + extended[2]) - lid).norm(), 0.0, 1e-15);
 }
 
+// u = w + a y + b y^2 / 2 above a wall that moves with w goes on below it, Laplacian b known.
+TEST(Images, WithTheLaplacianAParabolaGoesOnAcrossANoSlipWall) {
+  const auto particles = two_particles();
+  const Vector<2> wall(1.5, 0.0), a(3.0, 0.0), b(-8.0, 40.0);
+  const auto profile = [&](double y) -> Vector<2> { return wall + y * a + 0.5 * y * y * b; };
+  Images<2> images({bottom(true, wall)});
+  images.mirror(particles, 0.2);
+  std::vector<Vector<2>> extended;
+  const std::vector<Vector<2>> velocity{profile(0.03), {5.0, 5.0}}, field{-0.5 * b, -0.5 * b};
+  images.extend_for_viscosity(velocity, field, -2.0, extended);
+  EXPECT_NEAR((extended[2] - profile(-0.03)).norm(), 0.0, 1e-15);
+  EXPECT_EQ(extended[0], velocity[0]);
+  Images<2> free({bottom(false)});
+  free.mirror(particles, 0.2);
+  free.extend_for_viscosity(velocity, field, -2.0, extended);
+  EXPECT_EQ(extended[2], Vector<2>(velocity[0][0], -velocity[0][1]));
+}
+
 TEST(Images, FreeSlipTurnsTheNormalPartOnly) {
   const auto particles = two_particles();
   Images<2> images({bottom(false)});

@@ -81,24 +81,23 @@ SteadyChannel steady_channel(int cells, double begin, double end) {
 
 // u = 6 U y (H - y)/H^2 and -dp/dx = 12 mu U/H^2 = 66.67 Pa/m, with no flux gained or lost on the
 // way.
-TEST(Channel, SteadyFlowIsPoiseuillesAndConverges) {
+TEST(Channel, SteadyFlowIsPoiseuilles) {
   const double exact_gradient = 12.0 * viscosity * mean_velocity / (height * height);
   const SteadyChannel coarse = steady_channel(20, 3.0, 7.0), fine = steady_channel(30, 3.0, 7.0);
-  // A scheme of second order is off by about (dx/H)^2 = 0.25 % and 0.11 % of the peak; the disorder
-  // of the particles adds to it. Twice that is allowed.
-  EXPECT_LT(coarse.profile_error, 0.005);
-  EXPECT_LT(fine.profile_error, 0.0022);
-  EXPECT_LT(coarse.largest_error, 0.015);
-  EXPECT_LT(fine.largest_error, 0.0075);
-  const double order = std::log(coarse.profile_error / fine.profile_error) / std::log(1.5);
-  EXPECT_GT(order, 1.5);
+  // Walls of second order leave (dx/H)^2 of the peak, 0.25 % and 0.11 %, and disorder adds as much
+  // again: so much is allowed at 30 across. Walls one order higher leave the disorder, which does
+  // not fall from 20 to 30 across: 20 across must be as good, and no order is judged.
+  for (const auto& channel : {coarse, fine}) {
+    EXPECT_LT(channel.profile_error, 0.0022);
+    EXPECT_LT(channel.largest_error, 0.0075);
+  }
   EXPECT_NEAR(coarse.flux_defect, 0.0, 0.004);
   EXPECT_NEAR(fine.flux_defect, 0.0, 0.004);
   // A change of the mean speed by 0.01 m/s between the first and the last of the 4 s that are
   // averaged is worth 2.5 Pa/m, 4 %; single steps scatter by 1000 Pa/m.
   EXPECT_NEAR(coarse.pressure_gradient / exact_gradient, 1.0, 0.05);
   EXPECT_NEAR(fine.pressure_gradient / exact_gradient, 1.0, 0.05);
-  RecordProperty("order", std::to_string(order));
+  RecordProperty("profile_error", std::to_string(fine.profile_error));
   RecordProperty("pressure_gradient", std::to_string(fine.pressure_gradient));
 }
 
