@@ -358,7 +358,7 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
   // A lattice set in motion all at once is drawn out into rows before shifting has anything to act
   // on, and breaks up late and violently; broken a little from the start it never does.
   const bool impulsive = !problem.initial_velocity.empty() && numerics.preset == "recommended";
-  const double disorder = sph.number_or("disorder", impulsive ? 0.3 : 0.0);
+  const double disorder = sph.number_or("disorder", impulsive ? 0.25 : 0.0);
   if (disorder < 0.0 || disorder > 0.3)
     sph.refuse("disorder", "is a fraction of the spacing; choose 0 (the lattice) to 0.3");
   const long seed = sph.integer_or("seed", 1);
