@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <cstdlib>
+
 namespace {
 
 using namespace sprung;
@@ -79,6 +81,9 @@ int main(int argc, char** argv) {
   run.add_flag("--resume", a.resume, "continue from the last checkpoint, if there is one");
   run.add_flag("--overwrite", a.overwrite, "replace a record that stands in --out");
   run.add_option("--until", a.until,
-                 "pause after the step that reaches this time (s) and leave a checkpoint");
+                 "pause after the step that reaches this time (s) and leave a checkpoint")
+      ->check([](const std::string& text) {
+        return std::atof(text.c_str()) > 0.0 ? "" : "is a time in s above zero, not " + text;
+      });
   return run_program(app, argc, argv, [&] { return dispatch(app, a); });
 }

@@ -352,11 +352,11 @@ Outcome RunUnderWay<dim>::close(Outcome outcome) {
                options_.out.string(), kept);
     return outcome;
   }
-  record_.checkpoint(scene_.simulation->state().clock.time, state());
-  if (outcome == Outcome::paused)
-    record_.flush();
-  else
-    record_.finish("finished");
+  const double time = scene_.simulation->state().clock.time;
+  record_.checkpoint(time, state());
+  record_.finish(outcome == Outcome::paused
+                     ? fmt::format("paused at t = {:.6g} s; --resume goes on", time)
+                     : std::string("finished"));
   return outcome;
 }
 
