@@ -1,6 +1,7 @@
 #include "sph/simulation.hpp"
 
 #include "scene/progress.hpp"
+#include "sph/concentration.hpp"
 #include "sph/pressure/first_guess.hpp"
 
 #include <Eigen/LU>
@@ -156,17 +157,12 @@ void Simulation<dim>::relax(int sweeps) {
   auto& particles = state_.particles;
   const double dx = particles.spacing, cap = 0.05 * dx;
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    const auto& points = state_.images.points();
     const std::size_t n = particles.unknowns;
     displacement_.assign(n, Vector<dim>::Zero());
 #pragma omp parallel for schedule(static)
     for (std::size_t i = particles.solids; i < n; ++i) {
-      const auto near = state_.support.of(i);
-      Vector<dim> sum = Vector<dim>::Zero();
-      for (std::size_t k = 0; k < near.index.size(); ++k)
-        sum -= near.gradient_factor[k] * (points[i] - points[near.index[k]]);
-      // Down the gradient of the filling; 0.2 dx^2 is a step well inside the diffusive limit.
-      sum *= 0.2 * dx * dx * particles.volume;
+      // 0.2 dx^2 is a step well inside the diffusive limit.
+      const Vector<dim> sum = 0.2 * dx * dx * particles.volume * towards_emptier_side(state_, i);
       const double length = sum.norm();
       displacement_[i] = length > cap ? Vector<dim>(cap / length * sum) : sum;
     }

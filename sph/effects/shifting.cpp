@@ -1,5 +1,6 @@
 #include "sph/effects/shifting.hpp"
 
+#include "sph/concentration.hpp"
 #include "sph/velocity_gradient.hpp"
 
 #include <algorithm>
@@ -11,23 +12,20 @@ namespace sprung::sph {
 template <int dim, typename Direction>
 Vector<dim> ShiftingEffect<dim, Direction>::direction(
     const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
+  if constexpr (std::is_base_of_v<FickianDirection, Direction>)
+    return state.kernel.smoothing_length() * state.particles.volume *
+           towards_emptier_side(state, i);
   const auto& points = state.images.points();
   Vector<dim> sum = Vector<dim>::Zero();
-  if constexpr (std::is_base_of_v<XuDirection, Direction>) {
-    double mean_distance = 0.0;
-    for (const std::int32_t j : near.index) {
-      const Vector<dim> r = points[i] - points[j];
-      const double d2 = r.squaredNorm(), d = std::sqrt(d2);
-      sum += (1.0 / (d * d2)) * r;
-      mean_distance += d;
-    }
-    mean_distance /= static_cast<double>(near.index.size());
-    return mean_distance * mean_distance * sum;
-  } else {
-    for (std::size_t k = 0; k < near.index.size(); ++k)
-      sum -= near.gradient_factor[k] * (points[i] - points[near.index[k]]);
-    return state.kernel.smoothing_length() * state.particles.volume * sum;
+  double mean_distance = 0.0;
+  for (const std::int32_t j : near.index) {
+    const Vector<dim> r = points[i] - points[j];
+    const double d2 = r.squaredNorm(), d = std::sqrt(d2);
+    sum += (1.0 / (d * d2)) * r;
+    mean_distance += d;
   }
+  mean_distance /= static_cast<double>(near.index.size());
+  return mean_distance * mean_distance * sum;
 }
 
 template <int dim, typename Direction>
