@@ -55,6 +55,7 @@ sph::ElasticNetwork<dim> network_of(const sph::Particles<dim>& particles, const 
   numerics.bonds = material.bonds;
   numerics.area_stiffness = material.area_stiffness;
   numerics.surface_correction = surface_correction;
+  numerics.fitted_bodies = true;
   auto network = sph::network_at_rest(particles);
   const double shear = sph::network_shear_modulus<dim>(spring_stiffness, material.bonds);
   sph::append_body(network, particles, 0, particles.solids, shape, numerics,

@@ -18,10 +18,13 @@ Numerics paper() {
           .gradient_correction = false,
           .position_update = PositionUpdate::mean_velocity,
           .shifting = Shifting::xu,
+          .volume_along_step = false,
           .density_feedback = 0.0,
+          .void_feedback = 0.0,
           .pressure_tolerance = 1e-4,
           .pressure_solver = PressureSolverKind::two_level,
           .bonds = Bonds::equal,
+          .fitted_bodies = false,
           .solid_no_slip = SolidNoSlip::centres,
           .surface_correction = false,
           .area_stiffness = 0.0,
@@ -36,10 +39,13 @@ Numerics recommended() {
           .gradient_correction = true,
           .position_update = PositionUpdate::new_velocity,
           .shifting = Shifting::sliding,
-          .density_feedback = 0.5,
+          .volume_along_step = true,
+          .density_feedback = 0.1,
+          .void_feedback = 2.0,
           .pressure_tolerance = 1e-3,
           .pressure_solver = PressureSolverKind::two_level,
           .bonds = Bonds::isotropic,
+          .fitted_bodies = true,
           .solid_no_slip = SolidNoSlip::face,
           .surface_correction = true,
           .area_stiffness = 300.0,
@@ -91,12 +97,20 @@ Numerics read_numerics(Document& document) {
   choose(table, "shifting", {"none", "xu", "fickian", "sliding"}, n.shifting);
   n.shifting_coefficient = default_coefficient(n.shifting);
   read_between(table, "shifting_coefficient", 0.0, 10.0, n.shifting_coefficient);
+  // The mean of two velocities moves the particles otherwise: no single aim keeps its volume.
+  n.volume_along_step =
+      table.flag_or("volume_along_step",
+                    n.volume_along_step && n.position_update == PositionUpdate::new_velocity);
+  if (n.volume_along_step && n.position_update != PositionUpdate::new_velocity)
+    table.refuse("volume_along_step", "needs position_update = \"new_velocity\"");
   read_between(table, "density_feedback", 0.0, 100.0, n.density_feedback);
+  read_between(table, "void_feedback", 0.0, 100.0, n.void_feedback);
   read_between(table, "pressure_tolerance", 1e-14, 0.5, n.pressure_tolerance);
   choose(table, "pressure_solver",
          {"bicgstab", "two_level", "jacobi_cg", "incomplete_cholesky", "cholmod", "boomeramg"},
          n.pressure_solver);
   choose(table, "bonds", {"equal", "isotropic"}, n.bonds);
+  n.fitted_bodies = table.flag_or("fitted_bodies", n.fitted_bodies);
   choose(table, "solid_no_slip", {"centres", "face"}, n.solid_no_slip);
   n.surface_correction = table.flag_or("surface_correction", n.surface_correction);
   read_between(table, "area_stiffness", 0.0, 1e4, n.area_stiffness);

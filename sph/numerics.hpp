@@ -41,12 +41,20 @@ struct Numerics {
   PositionUpdate position_update{};
   Shifting shifting{};
   double shifting_coefficient = 0.0;  ///< C; see effects/shifting.hpp
-  /// A wrong particle density is corrected at the rate density_feedback x velocity scale / spacing
-  /// (1/s): the source of Eq. 3 gets rate (S0/S - 1), S the kernel sum and S0 its aim. 0: none.
+  /// The new velocity keeps each particle's volume along the step, and not at its beginning.
+  bool volume_along_step = false;
+  /// A wrong filling is corrected at the rate density_feedback x velocity scale / spacing (1/s);
+  /// see filling.hpp. 0: none.
   double density_feedback = 0.0;
+  /// What of a particle's kernel sum differs from the mean by more than disorder makes it is
+  /// corrected at this rate, in the same units: voids and clumps. 0: none.
+  double void_feedback = 0.0;
   double pressure_tolerance = 0.0;
   PressureSolverKind pressure_solver{};
   Bonds bonds{};
+  /// Bodies along the axes that do not fill whole cells of the fluid's lattice get one of their
+  /// own, as bodies at an angle do; false: the lattice's sites inside them.
+  bool fitted_bodies = false;
   SolidNoSlip solid_no_slip{};
   bool surface_correction = false;  ///< bond weights as quadrature over the true body
   double area_stiffness = 0.0;      ///< kappa: area springs of modulus kappa G; 0: none

@@ -138,14 +138,23 @@ void make_room(std::vector<Vector<dim>>& fluid, const Solid& solid, std::size_t 
   fluid.swap(kept);
 }
 
-bool has_oblique_body(const Problem& problem) {
-  return std::any_of(problem.solids.begin(), problem.solids.end(), is_oblique);
+/// Whether the body does not fill whole cells of the fluid's lattice, so that it gets a lattice of
+/// its own.
+template <int dim>
+bool is_off_lattice(const Problem& problem, const Solid& solid, double spacing, bool fitted) {
+  if (is_oblique(solid) || !fitted) return is_oblique(solid);
+  for (int d = 0; d < dim; ++d)
+    for (const double face : {solid.body.from[d], solid.body.to[d]}) {
+      const double place = (face - problem.channel.from[d]) / spacing;
+      if (std::abs(place - std::round(place)) > 1e-6) return true;
+    }
+  return false;
 }
 
 /// Particles at the centres of cubes of side `spacing` that fill the channel; solids first. The
-/// particles of an oblique body are fitted to it.
+/// particles of a body off that lattice are fitted to it.
 template <int dim>
-Particles<dim> fill_lattice(const Problem& problem, double spacing, const Table& table,
+Particles<dim> fill_lattice(const Problem& problem, double spacing, bool fitted, const Table& table,
                             const std::vector<ShapedWall<dim>>& walls,
                             std::vector<BodyRange>& bodies) {
   Particles<dim> particles;
@@ -153,20 +162,22 @@ Particles<dim> fill_lattice(const Problem& problem, double spacing, const Table&
   particles.volume = std::pow(spacing, dim);
   particles.density = problem.density;
   const auto count = lattice_counts<dim>(problem.channel, spacing, table);
+  std::vector<bool> off_lattice;
+  for (const Solid& solid : problem.solids)
+    off_lattice.push_back(is_off_lattice<dim>(problem, solid, spacing, fitted));
   std::vector<std::vector<Vector<dim>>> solid(problem.solids.size());
   std::vector<Vector<dim>> fluid;
   for_each_index<dim>(count, [&](const std::array<long, dim>& at) {
     Vector<dim> x;
     for (int d = 0; d < dim; ++d) x[d] = problem.channel.from[d] + (at[d] + 0.5) * spacing;
     std::size_t body = 0;
-    while (body < solid.size() &&
-           (is_oblique(problem.solids[body]) || !inside<dim>(problem.solids[body].body, x)))
+    while (body < solid.size() && (off_lattice[body] || !inside<dim>(problem.solids[body].body, x)))
       ++body;
     (body < solid.size() ? solid[body] : fluid).push_back(x);
   });
   keep_inside_walls(fluid, spacing, walls);
   for (std::size_t b = 0; b < solid.size(); ++b)
-    if (is_oblique(problem.solids[b])) {
+    if (off_lattice[b]) {
       solid[b] = fitted_places<dim>(problem.solids[b], spacing);
       make_room<dim>(fluid, problem.solids[b], solid[b].size());
     }
@@ -211,8 +222,7 @@ void check_thickness(const Document& document, const Problem& problem, double sp
     }
     for (int d = 0; d < dim; ++d) {
       const double extent = own_extent(solid)[d];
-      const long layers = is_oblique(solid) ? std::lround(extent / spacing)
-                                            : std::lround((high[d] - low[d]) / spacing) + 1;
+      const long layers = std::max(1L, std::lround(extent / spacing));
       if (layers < 2)
         table.refuse(
             "body",
@@ -340,7 +350,8 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
   if (fixed_step < 0.0) sph.refuse("time_step", "must be positive, or 0 to let the limits decide");
   const double reach = 2.0 * numerics.smoothing_length_ratio * spacing;
   auto shaped = shaped_walls<dim>(document, problem, reach);
-  auto particles = fill_lattice<dim>(problem, spacing, sph, shaped, scene.bodies);
+  auto particles =
+      fill_lattice<dim>(problem, spacing, numerics.fitted_bodies, sph, shaped, scene.bodies);
   if (!shaped.empty() && particles.unknowns == particles.solids)
     document.table("curved_wall." + problem.curved_walls[0].name)
         .refuse("",
@@ -363,11 +374,24 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
     sph.refuse("disorder", "is a fraction of the spacing; choose 0 (the lattice) to 0.3");
   const long seed = sph.integer_or("seed", 1);
   if (disorder > 0.0) disturb(particles, disorder, static_cast<std::uint64_t>(seed));
-  const bool cut = !shaped.empty() || has_oblique_body(problem);
+  const bool cut =
+      !shaped.empty() ||
+      std::any_of(problem.solids.begin(), problem.solids.end(), [&](const Solid& body) {
+        return is_off_lattice<dim>(problem, body, spacing, numerics.fitted_bodies);
+      });
+  std::vector<double> solid_volumes;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const auto volumes = cell_volumes<dim>(problem.solids[b],
+                                           {particles.position.data() + scene.bodies[b].first,
+                                            scene.bodies[b].last - scene.bodies[b].first},
+                                           spacing, numerics.fitted_bodies);
+    solid_volumes.insert(solid_volumes.end(), volumes.begin(), volumes.end());
+  }
   scene.simulation = std::make_unique<Simulation<dim>>(
       numerics, std::move(particles),
       Images<dim>(walls_of<dim>(problem), periodic_axes<dim>(problem), std::move(shaped)));
   auto& simulation = *scene.simulation;
+  simulation.set_solid_volumes(std::move(solid_volumes));
   if (problem.inflow) simulation.add_inflow({*problem.inflow, problem.channel, spacing, reach});
   for (const auto& side : {problem.pressure_inflow, problem.outflow})
     if (side) simulation.add_pressure_side({*side, problem.channel, spacing, reach});
@@ -376,7 +400,7 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
   document.leave_unread("reference_fem");
   document.refuse_unread();
   simulation.start(scale, fixed_step);
-  if (cut) simulation.relax(relaxing_sweeps);
+  if (cut || disorder > 0.0) simulation.relax(relaxing_sweeps);
   // Once more, now at the places where the particles begin.
   start_velocity(problem, document, simulation.state().particles);
   simulation.prescribe();

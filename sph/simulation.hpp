@@ -5,6 +5,7 @@
 #include "scene/record.hpp"
 #include "sph/boundary/open_sides.hpp"
 #include "sph/effects/roles.hpp"
+#include "sph/filling.hpp"
 #include "sph/numerics.hpp"
 #include "sph/pressure/solver.hpp"
 
@@ -65,9 +66,13 @@ class Simulation {
   /// Walls, columns and solids stay. Called after start(), which it calls for.
   void relax(int sweeps);
 
+  /// Volume of each solid particle (m2 or m3) where bodies have lattices of their own; a particle's
+  /// otherwise. Called before start().
+  void set_solid_volumes(std::vector<double> volumes) { solid_volume_ = std::move(volumes); }
+
   /// A body in vacuum: its sides are free surfaces at zero pressure, and the density feedback aims
-  /// at each particle's own filling at rest. Called before start(); for tests of the material, not
-  /// of a flow.
+  /// at each particle's own kernel sum at rest. Called before start(); for tests of the material,
+  /// not of a flow.
   void stand_in_vacuum() { vacuum_ = true; }
 
   /// The largest step that every limit allows, and which limit that is.
@@ -109,12 +114,13 @@ class Simulation {
 
  private:
   void divergence(const std::vector<Vector<dim>>& velocity, std::vector<double>& result);
+  void divergence_to_remove();
   void build_support();
   void search();
   void correct_gradients();
   void map_cells();
-  double particles_inside() const;
   void add_density_feedback();
+  void add_void_feedback();
   double mean_prescribed_pressure() const;
 
   Numerics numerics_;
@@ -130,19 +136,20 @@ class Simulation {
   double fixed_time_step_ = 0.0;
   double step_factor_ = 1.0;
   double stop_at_ = std::numeric_limits<double>::infinity();
-  std::vector<OpenPlane<dim>> open_planes_;
   PressurePlanes<dim> pressure_planes_;
   bool vacuum_ = false;
-  double full_weight_ = 0.0;            ///< sum of a_ij on the whole lattice, for free surfaces
-  std::vector<double> rest_partition_;  ///< of each particle in vacuum
-  double whole_count_ = 0.0;            ///< particles that the domain holds at the fluid's density
+  double full_weight_ = 0.0;                ///< sum of a_ij on the whole lattice, for free surfaces
+  std::vector<double> rest_partition_;      ///< of each particle in vacuum
   Vector<dim> cell_origin_, inverse_cell_;  ///< of the coarse cells of the pressure equation
   CellMap cells_;
+  FillingGrid<dim> filling_;
+  std::vector<double> solid_volume_;
   std::array<double, action_count> seconds_{};
 
   std::vector<Vector<dim>> acceleration_;
   std::vector<Vector<dim>> displacement_;
   std::vector<double> source_;
+  std::vector<double> point_volume_, lacking_;
 };
 
 }  // namespace sprung::sph

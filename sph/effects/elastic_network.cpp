@@ -71,7 +71,7 @@ Point as_point(const Vector<dim>& x) {
   return point;
 }
 
-/// Number of cells that fit along each own axis of an oblique body, and their size.
+/// Number of cells that fit along each own axis of a body, and their size.
 template <int dim>
 std::array<long, dim> fitted_count(const Solid& solid, double spacing) {
   const Point extent = own_extent(solid);
@@ -81,11 +81,14 @@ std::array<long, dim> fitted_count(const Solid& solid, double spacing) {
 }
 
 template <int dim>
-Vector<dim> pitch_of(const Solid& solid, double spacing) {
+Vector<dim> pitch_of(const Solid& solid, double spacing, bool fitted) {
   Vector<dim> pitch = Vector<dim>::Constant(spacing);
-  if (!is_oblique(solid)) return pitch;
+  if (!fitted && !is_oblique(solid)) return pitch;
   const auto count = fitted_count<dim>(solid, spacing);
-  for (int d = 0; d < dim; ++d) pitch[d] = own_extent(solid)[d] / static_cast<double>(count[d]);
+  for (int d = 0; d < dim; ++d) {
+    const double fitted = own_extent(solid)[d] / static_cast<double>(count[d]);
+    if (std::abs(fitted - spacing) > 1e-9 * spacing) pitch[d] = fitted;
+  }
   return pitch;
 }
 
@@ -225,7 +228,7 @@ void add_cells(ElasticNetwork<dim>& network, const BodyLattice<dim>& lattice, co
 
 template <int dim>
 std::vector<Vector<dim>> fitted_places(const Solid& solid, double spacing) {
-  const Vector<dim> pitch = pitch_of<dim>(solid, spacing);
+  const Vector<dim> pitch = pitch_of<dim>(solid, spacing, true);
   std::vector<Vector<dim>> places;
   for_each_index<dim>(fitted_count<dim>(solid, spacing), [&](const std::array<long, dim>& at) {
     Point own{};
@@ -236,10 +239,20 @@ std::vector<Vector<dim>> fitted_places(const Solid& solid, double spacing) {
 }
 
 template <int dim>
+std::vector<double> cell_volumes(const Solid& solid, std::span<const Vector<dim>> places,
+                                 double spacing, bool fitted) {
+  const double cell = pitch_of<dim>(solid, spacing, fitted).prod();
+  std::vector<double> volumes;
+  for (const auto& x : places)
+    volumes.push_back(cell * own_stretch(solid, to_own(solid, as_point<dim>(x))));
+  return volumes;
+}
+
+template <int dim>
 void append_body(ElasticNetwork<dim>& network, const Particles<dim>& particles, std::size_t first,
                  std::size_t last, const Solid& solid, const Numerics& numerics,
                  const SpringStiffness& stiffness) {
-  const Vector<dim> pitch = pitch_of<dim>(solid, particles.spacing);
+  const Vector<dim> pitch = pitch_of<dim>(solid, particles.spacing, numerics.fitted_bodies);
   auto lattice = lay_out<dim>(particles, first, last, solid, pitch);
   add_ghosts<dim>(network, lattice, solid, pitch);
   const std::size_t first_bond = network.bonds.size();
@@ -395,6 +408,10 @@ template ElasticNetwork<2> network_at_rest<2>(const Particles<2>&);
 template ElasticNetwork<3> network_at_rest<3>(const Particles<3>&);
 template std::vector<Vector<2>> fitted_places<2>(const Solid&, double);
 template std::vector<Vector<3>> fitted_places<3>(const Solid&, double);
+template std::vector<double> cell_volumes<2>(const Solid&, std::span<const Vector<2>>, double,
+                                             bool);
+template std::vector<double> cell_volumes<3>(const Solid&, std::span<const Vector<3>>, double,
+                                             bool);
 template void append_body<2>(ElasticNetwork<2>&, const Particles<2>&, std::size_t, std::size_t,
                              const Solid&, const Numerics&, const SpringStiffness&);
 template void append_body<3>(ElasticNetwork<3>&, const Particles<3>&, std::size_t, std::size_t,

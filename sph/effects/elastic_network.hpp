@@ -9,6 +9,7 @@
 
 #include <array>
 #include <map>
+#include <span>
 
 namespace sprung::sph {
 
@@ -52,9 +53,8 @@ struct ElasticNetwork {
   std::vector<double> bulk_stiffness = {};
 };
 
-/// A body's particles on the body's own lattice. For a body along the axes that is the lattice of
-/// the fluid; for an oblique one it is fitted to the body, its pitch the particle spacing or a
-/// little off so that a whole number fits.
+/// A body's particles on the body's own lattice. Its pitch is the particle spacing, or for a body
+/// with fitted places a little off so that a whole number fits.
 template <int dim>
 struct BodyLattice {
   using Place = std::array<int, dim>;
@@ -77,6 +77,12 @@ struct BodyLattice {
 /// pitch aimed at.
 template <int dim>
 std::vector<Vector<dim>> fitted_places(const Solid& solid, double spacing);
+
+/// Volume of the cell at each of a body's `places` at rest, m2 or m3. `fitted`: see
+/// Numerics::fitted_bodies.
+template <int dim>
+std::vector<double> cell_volumes(const Solid& solid, std::span<const Vector<dim>> places,
+                                 double spacing, bool fitted);
 
 /// Offsets of the bonds that a particle has on the lattice, one of each pair, and their weight.
 template <int dim>
@@ -152,8 +158,8 @@ template <int dim>
 std::pair<double, double> stretch_range(const ElasticNetwork<dim>& network,
                                         std::span<const Vector<dim>> position);
 
-/// Volume (in the plane: area) of all cells between solid particles over that at rest; 1 where there
-/// are none.
+/// Volume (in the plane: area) of all cells between solid particles over that at rest; 1 where
+/// there are none.
 template <int dim>
 double volume_ratio(const ElasticNetwork<dim>& network, std::span<const Vector<dim>> position);
 

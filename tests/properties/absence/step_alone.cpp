@@ -47,7 +47,9 @@ Simulation<2> vortices() {
   numerics.normalised_gradient = true;
   numerics.gradient_correction = true;
   numerics.position_update = PositionUpdate::new_velocity;
-  numerics.density_feedback = 0.5;
+  numerics.volume_along_step = true;
+  numerics.density_feedback = 0.1;
+  numerics.void_feedback = 2.0;
   numerics.pressure_tolerance = 1e-3;
   numerics.pressure_solver = PressureSolverKind::two_level;
   numerics.courant = 0.4;

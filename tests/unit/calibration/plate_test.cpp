@@ -17,18 +17,18 @@ using enum sph::Bonds;
 double cantilever_tip(int n) {
   constexpr double width = 0.015, height = 0.1, line_load = 10.0;
   const double dx = width / n;
-  const int rows = static_cast<int>(std::floor(height / dx + 0.5 + 1e-9));  // centres inside
+  const int rows = static_cast<int>(std::lround(height / dx));
+  const double pitch = height / rows;
   const std::array<int, 2> count{n, rows};
-  auto particles = block<2>(count, dx);
-  const auto rest = particles.position;
   Solid shape = shape_of<2>(count, dx);
   shape.body.to = {width, height, 0.0};
   shape.clamped = Side::bottom;
+  auto particles = fitted<2>(shape, dx);
+  const auto rest = particles.position;
   const auto network = network_of<2>(particles, shape, {2, isotropic, 300.0}, true);
   std::vector<Vector<2>> load(particles.size(), Vector<2>::Zero());
   for (std::size_t i = 0; i < load.size(); ++i) {
-    const int row = lattice_place<2>(i, count)[1];
-    load[i][0] = line_load * (row == rows - 1 ? height - row * dx : dx) / n;
+    load[i][0] = line_load * pitch / n;
   }
   find_equilibrium<2>(network, particles, load, 1e-7);
   const auto mean = [&](int row) {
@@ -37,7 +37,7 @@ double cantilever_tip(int n) {
     return sum;
   };
   const double last = mean(rows - 1);
-  return last + (last - mean(rows - 2)) / dx * (height - (rows - 0.5) * dx);
+  return last + 0.5 * (last - mean(rows - 2));
 }
 
 const Material plane{2, isotropic, 300.0}, space{3, isotropic, 300.0};

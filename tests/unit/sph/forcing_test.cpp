@@ -75,7 +75,7 @@ void expect_rest(const Numerics& numerics, double jitter, bool no_slip) {
 TEST(Gravity, AFluidAtRestStaysAtRestToTheLastBit) {
   for (const std::string preset : {"recommended", "paper"}) {
     Numerics numerics = test::preset(preset);
-    numerics.density_feedback = 0.0;
+    numerics.density_feedback = numerics.void_feedback = 0.0;
     for (const bool no_slip : {true, false})
       for (const double jitter : {0.0, 0.2}) {
         expect_rest<2>(numerics, jitter, no_slip);
@@ -108,7 +108,7 @@ void expect_fall(int periodic_axes) {
   for (int d = periodic_axes; d < 3; ++d) a[d] = 0.0;
   const double dt = 0.02;
   Numerics numerics = test::preset("recommended");
-  numerics.density_feedback = 0.0;
+  numerics.density_feedback = numerics.void_feedback = 0.0;
   auto simulation =
       block_under_gravity<dim>(numerics, periodic_axes, 0.2, {a, Waveform{}}, false, dt);
   const double length = (dim == 2 ? 10 : 6) * dx;
@@ -135,7 +135,7 @@ TEST(Gravity, DrivesTheFlowAlongAPeriodicAxis) {
 // The force of a step is that of its middle: exact for a force linear in time, u = a t^2 / 2.
 TEST(Gravity, TheDrivingPartFollowsItsWaveform) {
   Numerics numerics = test::preset("recommended");
-  numerics.density_feedback = 0.0;
+  numerics.density_feedback = numerics.void_feedback = 0.0;
   auto simulation = block_under_gravity<2>(
       numerics, 1, 0.0, {{0.5, 0.0, 0.0}, Waveform::from_formula("t")}, false, 0.1);
   for (int n = 0; n < 12; ++n) advance(simulation);

@@ -124,12 +124,13 @@ TEST(SceneSetup, StiffnessComesFromTheTable) {
   scene.preset = "recommended";
   const auto corrected = set_up(scene);
   ASSERT_FALSE(corrected.solid->network().cells.empty());
-  // kappa G, G = k_e/2; a cell at the clamp ends there, half as high.
+  // kappa G, G = k_e/2; 13 rows share the height of 0.1 m, and a cell at the clamp ends there, half
+  // as high.
   const double modulus = 300.0 * 0.5 * 0.7e6 / 1.49504950495;
   for (const auto& cell : corrected.solid->network().cells) {
     const bool at_clamp = *std::max_element(cell.corner.begin(), cell.corner.end()) >= 26;
     EXPECT_NEAR(cell.modulus, modulus, 1e-6 * modulus);
-    EXPECT_NEAR(cell.rest_volume / (0.0075 * 0.0075), at_clamp ? 0.5 : 1.0, 1e-9);
+    EXPECT_NEAR(cell.rest_volume / (0.0075 * 0.1 / 13.0), at_clamp ? 0.5 : 1.0, 1e-9);
   }
 }
 
@@ -162,8 +163,8 @@ TEST(SceneSetup, AnObliqueBodyIsFittedAndTheFluidMakesRoom) {
   EXPECT_LT(*std::max_element(partition.begin(), partition.end()), 1.1);
 }
 
-// CFL 0.4 x 7.5 mm / (2 x 0.75 m/s) = 2 ms. Viscosity 0.8 dx^2/(3.8214 nu), the checkerboard's decay
-// at h = 1.3 dx: 2 ms x 0.59.
+// CFL 0.4 x 7.5 mm / (2 x 0.75 m/s) = 2 ms. Viscosity 0.8 dx^2/(3.8214 nu), the checkerboard's
+// decay at h = 1.3 dx: 2 ms x 0.59.
 TEST(SceneSetup, TimeStepIsSetByTheSmallestLimit) {
   ChannelScene scene;
   const auto recommended = set_up(scene);
@@ -186,8 +187,9 @@ TEST(SceneSetup, TimeStepIsSetByTheSmallestLimit) {
   EXPECT_LT(symplectic.value, 1.3 * block);
   expect_contains(std::string(symplectic.limit), {"springs"});
   // As printed: at most 0.8 x 2 mu/C44, C44 = k_e = E/1.5 along the axes. Rows that move against
-  // each other in a large block have w^2 = 8 k_e/(rho dx^2) and decay at 4 nu/dx^2 where h = dx (the
-  // pairs that the moment normalises by are those that turn), so half of it; two columns hold more.
+  // each other in a large block have w^2 = 8 k_e/(rho dx^2) and decay at 4 nu/dx^2 where h = dx
+  // (the pairs that the moment normalises by are those that turn), so half of it; two columns hold
+  // more.
   scene.numerics = "";
   const auto printed = set_up(scene).simulation->time_step_limit();
   const double long_waves = 0.8 * 2.0 * 1.5 / 0.7e6;
