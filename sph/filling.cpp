@@ -63,9 +63,11 @@ FillingGrid<dim>::FillingGrid(const Vector<dim>& low, const Vector<dim>& high, d
 template <int dim>
 void FillingGrid<dim>::lacking(std::span<const Vector<dim>> points, std::span<const double> volume,
                                std::span<double> lacking) {
+  const double per_spacing = 1.0 / spacing_;
   const auto parts_of = [&](std::size_t i) {
     std::array<Parts, dim> parts;
-    for (int d = 0; d < dim; ++d) parts[d] = parts_at((points[i][d] - first_node_[d]) / spacing_);
+    for (int d = 0; d < dim; ++d)
+      parts[d] = parts_at((points[i][d] - first_node_[d]) * per_spacing);
     return parts;
   };
   const double per_cube = 1.0 / std::pow(spacing_, dim);
@@ -79,7 +81,7 @@ void FillingGrid<dim>::lacking(std::span<const Vector<dim>> points, std::span<co
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(filling_.size()) / rows;
     std::fill(filling_.begin() + from * row, filling_.begin() + to * row, 0.0);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const double place = (points[i][dim - 1] - first_node_[dim - 1]) / spacing_;
+      const double place = (points[i][dim - 1] - first_node_[dim - 1]) * per_spacing;
       if (place < static_cast<double>(from) - 2.0 || place > static_cast<double>(to) + 1.0)
         continue;
       const double part = volume[i] * per_cube;

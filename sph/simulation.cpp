@@ -3,7 +3,6 @@
 #include "scene/progress.hpp"
 #include "sph/concentration.hpp"
 #include "sph/pressure/first_guess.hpp"
-#include "sph/velocity_gradient.hpp"
 
 #include <Eigen/LU>
 
@@ -330,16 +329,33 @@ void Simulation<dim>::correct_gradients() {
 template <int dim>
 void Simulation<dim>::divergence_to_remove() {
   const auto& particles = state_.particles;
-  divergence(particles.predicted_velocity, source_);
-  if (!numerics_.volume_along_step) return;
-  // The gradient is the old velocity's: the predicted one has still to lose its divergence.
-  state_.images.extend_for_divergence(particles.velocity, state_.extended_velocity);
+  if (!numerics_.volume_along_step) return divergence(particles.predicted_velocity, source_);
+  // The gradient is the old velocity's: the predicted one has still to lose its divergence. One
+  // sweep for both, since it is the lists that cost.
+  const auto& points = state_.images.points();
+  state_.images.extend_for_divergence(particles.predicted_velocity, state_.extended_velocity);
+  state_.images.extend_for_divergence(particles.velocity, extended_before_);
   const double half_step = 0.5 * state_.clock.time_step;
+  const bool corrected = !state_.gradient_correction.empty();
+  const SymmetricMatrix<dim> one(Matrix<dim>::Identity());
   const std::size_t n = particles.unknowns;
-  // The springs decide how a body moves, after the pressure.
+  source_.resize(n);
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = particles.solids; i < n; ++i) {
-    const Matrix<dim> gradient = velocity_gradient(state_, state_.extended_velocity, i);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto near = state_.support.of(i);
+    const SymmetricMatrix<dim> correction = corrected ? state_.gradient_correction[i] : one;
+    const Vector<dim> x = points[i], u = state_.extended_velocity[i], before = extended_before_[i];
+    double sum = 0.0;
+    OuterProductSum<dim> outer;
+    for (std::size_t k = 0; k < near.index.size(); ++k) {
+      const std::int32_t j = near.index[k];
+      const Vector<dim> r = x - points[j];
+      sum += near.gradient_factor[k] * correction.form(state_.extended_velocity[j] - u, r);
+      outer.add(near.gradient_factor[k], extended_before_[j] - before, r);
+    }
+    source_[i] = particles.volume * sum;
+    if (i < particles.solids) continue;  // the springs decide how a body moves, after the pressure
+    const Matrix<dim> gradient = particles.volume * outer.sum() * correction.full();
     source_[i] -= half_step * (gradient * gradient).trace();
   }
 }

@@ -149,6 +149,7 @@ class Simulation {
   std::vector<Vector<dim>> acceleration_;
   std::vector<Vector<dim>> displacement_;
   std::vector<double> source_;
+  std::vector<Vector<dim>> extended_before_;
   std::vector<double> point_volume_, lacking_;
 };
 
