@@ -138,23 +138,29 @@ void make_room(std::vector<Vector<dim>>& fluid, const Solid& solid, std::size_t 
   fluid.swap(kept);
 }
 
-/// Whether the body does not fill whole cells of the fluid's lattice, so that it gets a lattice of
-/// its own.
+/// Of each body, whether it has a lattice of its own: where it lies at an angle and, if such bodies
+/// are to be `fitted`, where it does not fill whole cells of the fluid's lattice.
 template <int dim>
-bool is_off_lattice(const Problem& problem, const Solid& solid, double spacing, bool fitted) {
-  if (is_oblique(solid) || !fitted) return is_oblique(solid);
-  for (int d = 0; d < dim; ++d)
-    for (const double face : {solid.body.from[d], solid.body.to[d]}) {
-      const double place = (face - problem.channel.from[d]) / spacing;
-      if (std::abs(place - std::round(place)) > 1e-6) return true;
-    }
-  return false;
+std::vector<bool> bodies_off_lattice(const Problem& problem, double spacing, bool fitted) {
+  const auto on_plane = [&](double face, int d) {
+    const double place = (face - problem.channel.from[d]) / spacing;
+    return std::abs(place - std::round(place)) < 1e-6;
+  };
+  std::vector<bool> off;
+  for (const Solid& solid : problem.solids) {
+    bool fills_cells = true;
+    for (int d = 0; d < dim; ++d)
+      fills_cells = fills_cells && on_plane(solid.body.from[d], d) && on_plane(solid.body.to[d], d);
+    off.push_back(is_oblique(solid) || (fitted && !fills_cells));
+  }
+  return off;
 }
 
 /// Particles at the centres of cubes of side `spacing` that fill the channel; solids first. The
 /// particles of a body off that lattice are fitted to it.
 template <int dim>
-Particles<dim> fill_lattice(const Problem& problem, double spacing, bool fitted, const Table& table,
+Particles<dim> fill_lattice(const Problem& problem, double spacing,
+                            const std::vector<bool>& off_lattice, const Table& table,
                             const std::vector<ShapedWall<dim>>& walls,
                             std::vector<BodyRange>& bodies) {
   Particles<dim> particles;
@@ -162,9 +168,6 @@ Particles<dim> fill_lattice(const Problem& problem, double spacing, bool fitted,
   particles.volume = std::pow(spacing, dim);
   particles.density = problem.density;
   const auto count = lattice_counts<dim>(problem.channel, spacing, table);
-  std::vector<bool> off_lattice;
-  for (const Solid& solid : problem.solids)
-    off_lattice.push_back(is_off_lattice<dim>(problem, solid, spacing, fitted));
   std::vector<std::vector<Vector<dim>>> solid(problem.solids.size());
   std::vector<Vector<dim>> fluid;
   for_each_index<dim>(count, [&](const std::array<long, dim>& at) {
@@ -206,7 +209,7 @@ void disturb(Particles<dim>& particles, double disorder, std::uint64_t seed) {
 
 /// A body must hold at least two particles across each side; fewer than four is worth a warning.
 template <int dim>
-void check_thickness(const Document& document, const Problem& problem, double spacing,
+void check_thickness(const Document& document, const Problem& problem, double spacing, bool fitted,
                      const Particles<dim>& particles, const std::vector<BodyRange>& bodies,
                      std::vector<std::string>& warnings) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -222,7 +225,9 @@ void check_thickness(const Document& document, const Problem& problem, double sp
     }
     for (int d = 0; d < dim; ++d) {
       const double extent = own_extent(solid)[d];
-      const long layers = std::max(1L, std::lround(extent / spacing));
+      const long layers = fitted || is_oblique(solid)
+                              ? std::max(1L, std::lround(extent / spacing))
+                              : std::lround((high[d] - low[d]) / spacing) + 1;
       if (layers < 2)
         table.refuse(
             "body",
@@ -350,8 +355,8 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
   if (fixed_step < 0.0) sph.refuse("time_step", "must be positive, or 0 to let the limits decide");
   const double reach = 2.0 * numerics.smoothing_length_ratio * spacing;
   auto shaped = shaped_walls<dim>(document, problem, reach);
-  auto particles =
-      fill_lattice<dim>(problem, spacing, numerics.fitted_bodies, sph, shaped, scene.bodies);
+  const auto off_lattice = bodies_off_lattice<dim>(problem, spacing, numerics.fitted_bodies);
+  auto particles = fill_lattice<dim>(problem, spacing, off_lattice, sph, shaped, scene.bodies);
   if (!shaped.empty() && particles.unknowns == particles.solids)
     document.table("curved_wall." + problem.curved_walls[0].name)
         .refuse("",
@@ -365,7 +370,8 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
     sph.refuse("velocity_scale",
                "must be given for a scene that shows no speed (no inflow, moving wall or initial "
                "velocity): the fastest flow expected");
-  check_thickness<dim>(document, problem, spacing, particles, scene.bodies, scene.warnings);
+  check_thickness<dim>(document, problem, spacing, numerics.fitted_bodies, particles, scene.bodies,
+                       scene.warnings);
   // A lattice set in motion all at once is drawn out into rows before shifting has anything to act
   // on, and breaks up late and violently; broken a little from the start it never does.
   const bool impulsive = !problem.initial_velocity.empty() && numerics.preset == "recommended";
@@ -374,11 +380,8 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
     sph.refuse("disorder", "is a fraction of the spacing; choose 0 (the lattice) to 0.3");
   const long seed = sph.integer_or("seed", 1);
   if (disorder > 0.0) disturb(particles, disorder, static_cast<std::uint64_t>(seed));
-  const bool cut =
-      !shaped.empty() ||
-      std::any_of(problem.solids.begin(), problem.solids.end(), [&](const Solid& body) {
-        return is_off_lattice<dim>(problem, body, spacing, numerics.fitted_bodies);
-      });
+  const bool uneven = disorder > 0.0 || !shaped.empty() ||
+                      std::find(off_lattice.begin(), off_lattice.end(), true) != off_lattice.end();
   std::vector<double> solid_volumes;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const auto volumes = cell_volumes<dim>(problem.solids[b],
@@ -400,7 +403,7 @@ ParticleScene<dim> set_up(Document& document, const ModulusTable& table) {
   document.leave_unread("reference_fem");
   document.refuse_unread();
   simulation.start(scale, fixed_step);
-  if (cut || disorder > 0.0) simulation.relax(relaxing_sweeps);
+  if (uneven) simulation.relax(relaxing_sweeps);
   // Once more, now at the places where the particles begin.
   start_velocity(problem, document, simulation.state().particles);
   simulation.prescribe();

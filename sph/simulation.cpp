@@ -321,11 +321,10 @@ void Simulation<dim>::correct_gradients() {
             state_.laplacian_correction.end(), one);
 }
 
-/// Eq. 3's sum for the predicted velocity less the divergence that the new velocity is to have. A
-/// step with velocity u makes of a volume det(1 + dt grad u) = 1 + dt div u - dt^2/2 tr (grad u)^2
-/// +
-/// ..., where div u is itself of the order of dt: so div u = dt/2 tr (grad u)^2 keeps it. With div
-/// u = 0 fluid that turns at the rate W thins out at the rate W^2 dt.
+/// Eq. 3's sum for the predicted velocity, less the divergence that the new one is to have. A step
+/// with velocity u makes of a volume det(1 + dt grad u), 1 + dt div u - dt^2/2 tr (grad u)^2 to
+/// second order, where div u is itself of the order of dt: div u = dt/2 tr (grad u)^2 keeps it.
+/// With div u = 0 fluid that turns at the rate W thins out at the rate W^2 dt.
 template <int dim>
 void Simulation<dim>::divergence_to_remove() {
   const auto& particles = state_.particles;

@@ -86,8 +86,8 @@ Vector<dim> pitch_of(const Solid& solid, double spacing, bool fitted) {
   if (!fitted && !is_oblique(solid)) return pitch;
   const auto count = fitted_count<dim>(solid, spacing);
   for (int d = 0; d < dim; ++d) {
-    const double fitted = own_extent(solid)[d] / static_cast<double>(count[d]);
-    if (std::abs(fitted - spacing) > 1e-9 * spacing) pitch[d] = fitted;
+    const double fit = own_extent(solid)[d] / static_cast<double>(count[d]);
+    if (std::abs(fit - spacing) > 1e-9 * spacing) pitch[d] = fit;
   }
   return pitch;
 }

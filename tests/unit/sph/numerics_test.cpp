@@ -27,7 +27,10 @@ TEST(Numerics, PaperIsAsPrinted) {
   EXPECT_EQ(n.position_update, PositionUpdate::mean_velocity);
   EXPECT_EQ(n.bonds, Bonds::equal);
   EXPECT_EQ(n.spring_integration, SpringIntegration::explicit_force);
+  EXPECT_FALSE(n.volume_along_step);
   EXPECT_EQ(n.density_feedback, 0.0);
+  EXPECT_EQ(n.void_feedback, 0.0);
+  EXPECT_FALSE(n.fitted_bodies);
   EXPECT_FALSE(n.surface_correction);
   EXPECT_EQ(n.area_stiffness, 0.0);
   EXPECT_EQ(n.solid_no_slip, SolidNoSlip::centres);
@@ -42,7 +45,10 @@ TEST(Numerics, RecommendedIsTheDefaultAndCorrected) {
     EXPECT_EQ(n.position_update, PositionUpdate::new_velocity);
     EXPECT_EQ(n.bonds, Bonds::isotropic);
     EXPECT_EQ(n.spring_integration, SpringIntegration::implicit_force);
+    EXPECT_TRUE(n.volume_along_step);
     EXPECT_GT(n.density_feedback, 0.0);
+    EXPECT_GT(n.void_feedback, 0.0);
+    EXPECT_TRUE(n.fitted_bodies);
     EXPECT_TRUE(n.surface_correction);
     EXPECT_GT(n.area_stiffness, 0.0);
     EXPECT_EQ(n.solid_no_slip, SolidNoSlip::face);
@@ -56,7 +62,10 @@ normalised_gradient = true
 position_update = "new_velocity"
 shifting = "none"
 shifting_coefficient = 0.1
+volume_along_step = true
 density_feedback = 0.25
+void_feedback = 1.5
+fitted_bodies = true
 pressure_tolerance = 1e-5
 pressure_solver = "bicgstab"
 bonds = "isotropic"
@@ -71,7 +80,10 @@ courant = 0.2
   EXPECT_EQ(n.position_update, PositionUpdate::new_velocity);
   EXPECT_EQ(n.shifting, Shifting::none);
   EXPECT_EQ(n.shifting_coefficient, 0.1);
+  EXPECT_TRUE(n.volume_along_step);
   EXPECT_EQ(n.density_feedback, 0.25);
+  EXPECT_EQ(n.void_feedback, 1.5);
+  EXPECT_TRUE(n.fitted_bodies);
   EXPECT_EQ(n.pressure_tolerance, 1e-5);
   EXPECT_EQ(n.pressure_solver, PressureSolverKind::bicgstab);
   EXPECT_EQ(n.bonds, Bonds::isotropic);
@@ -91,6 +103,7 @@ solid_no_slip = "centres"
 spring_integration = "explicit"
 )");
   EXPECT_EQ(n.position_update, PositionUpdate::mean_velocity);
+  EXPECT_FALSE(n.volume_along_step);  // only new velocities can keep it
   EXPECT_EQ(n.shifting, Shifting::xu);
   EXPECT_EQ(n.pressure_solver, PressureSolverKind::two_level);
   EXPECT_EQ(n.bonds, Bonds::equal);
@@ -113,6 +126,10 @@ TEST(Numerics, RefusalsNameLineValueAndRange) {
   EXPECT_NE(refusal("pressure_tolerance = 0.0\n"), "");
   EXPECT_NE(refusal("courant = 0.0\n"), "");
   EXPECT_NE(refusal("density_feedback = -0.1\n"), "");
+  EXPECT_NE(refusal("void_feedback = -0.1\n"), "");
+  const std::string motion =
+      refusal("position_update = \"mean_velocity\"\nvolume_along_step = true\n");
+  EXPECT_NE(motion.find("new_velocity"), std::string::npos) << motion;
   EXPECT_NE(refusal("courant = \"0.4 s\"\n"), "");
 }
 

@@ -134,6 +134,25 @@ TEST(SceneSetup, StiffnessComesFromTheTable) {
   }
 }
 
+// 0.1 m are 13.3 spacings: the rows of a fitted beam share the height, on the lattice a third of a
+// spacing is left over.
+TEST(SceneSetup, ABodyOffTheLatticeFillsItsHeight) {
+  for (const bool fitted : {true, false}) {
+    ChannelScene scene;
+    scene.numerics = fitted ? "" : "fitted_bodies = false";
+    const auto made = set_up(scene);
+    const auto& particles = made.simulation->state().particles;
+    double low = 1.0, high = 0.0;
+    for (std::size_t i = 0; i < particles.solids; ++i) {
+      low = std::min(low, particles.position[i][1]);
+      high = std::max(high, particles.position[i][1]);
+    }
+    EXPECT_EQ(particles.solids, 26u);
+    EXPECT_EQ(particles.unknowns, 120u * 40u);
+    EXPECT_NEAR(low + high, fitted ? 0.1 : 0.0975, 1e-12);
+  }
+}
+
 // A beam at 30 degrees keeps the domain as full as the lattice and gets a network that no step of
 // the lattice cuts: the straight beam's, turned.
 TEST(SceneSetup, AnObliqueBodyIsFittedAndTheFluidMakesRoom) {
