@@ -68,7 +68,8 @@ def word(value) -> str:
 
 def variants_of(scene: dict, file_text: str) -> list:
     """What can be switched off: choices that the resolved scene has and that are not off already; tables present."""
-    found = [Variant(ANOTHER_START, ["sph.disorder=0.02", "sph.seed=2"])]
+    disordered = scene.get("sph", {}).get("disorder", 0.0) > 0.0
+    found = [Variant(ANOTHER_START, ["sph.seed=2"] if disordered else ["sph.disorder=0.1", "sph.seed=2"])]
     for name in tables_in(file_text):
         last = name.split(".")[-1]
         if name in EFFECTS or name.split(".")[0] in ("wall_motion", "curved_wall", "solid") or last in EFFECTS:
