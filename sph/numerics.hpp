@@ -47,7 +47,8 @@ struct Numerics {
   /// see filling.hpp. 0: none.
   double density_feedback = 0.0;
   /// What of a particle's kernel sum differs from the mean by more than disorder makes it is
-  /// corrected at this rate, in the same units: voids and clumps. 0: none.
+  /// corrected at the rate void_feedback x velocity of the fastest particle / spacing (1/s), at
+  /// most within a step: voids and clumps. 0: none.
   double void_feedback = 0.0;
   double pressure_tolerance = 0.0;
   PressureSolverKind pressure_solver{};

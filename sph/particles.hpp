@@ -3,6 +3,8 @@
 
 #include "sph/kernel.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -54,5 +56,14 @@ struct Particles {
   /// Rearranges so that the new particle k is the old `order[k]`; old ones not named are dropped.
   void rearrange(const std::vector<std::int32_t>& order);
 };
+
+/// Speed of the fastest solid or fluid particle, m/s.
+template <int dim>
+double fastest(const Particles<dim>& particles) {
+  double square = 0.0;
+  for (std::size_t i = 0; i < particles.unknowns; ++i)
+    square = std::max(square, particles.velocity[i].squaredNorm());
+  return std::sqrt(square);
+}
 
 }  // namespace sprung::sph

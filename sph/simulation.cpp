@@ -403,9 +403,12 @@ void Simulation<dim>::add_void_feedback() {
   const auto& particles = state_.particles;
   const std::size_t first = numerics_.area_stiffness > 0.0 ? particles.solids : 0;
   const std::size_t n = particles.unknowns;
-  const double rate = std::min(numerics_.void_feedback * velocity_scale_ / particles.spacing,
-                               1.0 / state_.clock.time_step);
   if (numerics_.void_feedback == 0.0 || vacuum_ || first == n) return;
+  // As fast as the flow is now: where it has come to rest between two pulses, correcting at the
+  // rate of the fastest flow expected drives particles into each other beside the open sides.
+  const double speed = std::min(velocity_scale_, fastest(particles));
+  const double rate =
+      std::min(numerics_.void_feedback * speed / particles.spacing, 1.0 / state_.clock.time_step);
   constexpr double disorder = 0.025;
   const auto& partition = state_.support.partition();
   double mean = 0.0;

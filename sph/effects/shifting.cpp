@@ -36,10 +36,7 @@ void ShiftingEffect<dim, Direction>::add_displacement(State<dim>& state,
   state.images.extend_for_viscosity(particles.velocity, extended);
   constexpr bool local = std::is_same_v<Direction, SlidingDirection>;
   const double dt = state.clock.time_step, h = state.kernel.smoothing_length();
-  double fastest2 = 0.0;
-  for (std::size_t i = 0; i < particles.unknowns; ++i)
-    fastest2 = std::max(fastest2, particles.velocity[i].squaredNorm());
-  const double fastest = std::sqrt(fastest2);
+  const double fastest = sph::fastest(particles);
   // A particle is never moved by more than a tenth of the spacing, in any direction.
   const double cap = 0.1 * particles.spacing;
   const std::size_t n = particles.unknowns;
