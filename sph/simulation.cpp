@@ -359,9 +359,15 @@ void Simulation<dim>::divergence_to_remove() {
   }
 }
 
+/// The first particle that the feedbacks act on: bodies whose cells keep their own area would be
+/// constrained twice.
+template <int dim>
+std::size_t Simulation<dim>::first_fed_back() const {
+  return numerics_.area_stiffness > 0.0 ? state_.particles.solids : 0;
+}
+
 /// The projection has no memory of volume, and what it leaves of the divergence would add up: Eq.
-/// 3's source gets the rate at which the particles lack volume, as filling.hpp measures it. Bodies
-/// whose cells keep their own area would be constrained twice.
+/// 3's source gets the rate at which the particles lack volume, as filling.hpp measures it.
 template <int dim>
 void Simulation<dim>::add_density_feedback() {
   const auto& particles = state_.particles;
@@ -378,14 +384,20 @@ void Simulation<dim>::add_density_feedback() {
   const auto weights = state_.images.weights();
   point_volume_.assign(points.size(), particles.volume);
   for (std::size_t i = 0; i < weights.size(); ++i) point_volume_[i] *= weights[i];
-  if (!solid_volume_.empty())
-    for (std::size_t i = 0; i < points.size(); ++i)
-      if (const std::int32_t of = state_.images.source(static_cast<std::int32_t>(i));
-          of < static_cast<std::int32_t>(particles.solids))
-        point_volume_[i] *= solid_volume_[of] / particles.volume;
+  if (!solid_volume_.empty()) {
+    const auto scale = [&](std::size_t i, std::size_t solid) {
+      point_volume_[i] *= solid_volume_[solid] / particles.volume;
+    };
+    for (std::size_t i = 0; i < particles.solids; ++i) scale(i, i);
+    for (std::size_t i = particles.size(); i < points.size(); ++i)
+      if (const auto source =
+              static_cast<std::size_t>(state_.images.source(static_cast<std::int32_t>(i)));
+          source < particles.solids)
+        scale(i, source);
+  }
   lacking_.resize(n);
   filling_.lacking(points, point_volume_, lacking_);
-  const std::size_t first = numerics_.area_stiffness > 0.0 ? particles.solids : 0;
+  const std::size_t first = first_fed_back();
   // Where pressures alone drive the flow, a source against a wrong number changes the flow itself,
   // so its mean is weak there: the number then drifts by a few parts in a thousand instead.
   double mean = 0.0;
@@ -401,7 +413,7 @@ void Simulation<dim>::add_density_feedback() {
 template <int dim>
 void Simulation<dim>::add_void_feedback() {
   const auto& particles = state_.particles;
-  const std::size_t first = numerics_.area_stiffness > 0.0 ? particles.solids : 0;
+  const std::size_t first = first_fed_back();
   const std::size_t n = particles.unknowns;
   if (numerics_.void_feedback == 0.0 || vacuum_ || first == n) return;
   // As fast as the flow is now: where it has come to rest between two pulses, correcting at the

@@ -103,7 +103,8 @@ class Simulation {
   const ParticleBooks& books() const { return books_; }
   double inflow_flux() const;
   const std::vector<PressureColumns<dim>>& pressure_sides() const { return pressure_sides_; }
-  /// Root mean square of the divergence (Eq. 3's sum) that the corrector left, 1/s.
+  /// Root mean square of the divergence (Eq. 3's sum) that the corrector left, 1/s; what
+  /// volume_along_step and the feedbacks asked for is part of it.
   double remaining_divergence();
   const std::array<double, action_count>& seconds() const { return seconds_; }
   void add_seconds(Action action, double seconds) { seconds_[std::size_t(action)] += seconds; }
@@ -119,6 +120,7 @@ class Simulation {
   void search();
   void correct_gradients();
   void map_cells();
+  std::size_t first_fed_back() const;
   void add_density_feedback();
   void add_void_feedback();
   double mean_prescribed_pressure() const;
