@@ -113,8 +113,8 @@ TEST(Plates, CorrectedRingAsTheTimoshenkoBeam) {
 }
 
 // A cantilever of length 20/3 thicknesses under an even load converges from both sides; against 16
-// layers, 1.5 % at 3 and 4 layers and 0.5 % at 8: the clamp's corners and the row that stands over
-// cost this much, half of it at twice the layers.
+// layers, 1.5 % at 3 and 4 layers and 0.5 % at 8: the clamp's corners cost this much, half of it
+// at twice the layers.
 TEST(Plates, ClampedBendAsFinerOnes) {
   const double fine = cantilever_tip(16);
   for (const auto& [n, tolerance] : {std::pair{3, 0.015}, {4, 0.015}, {8, 0.005}})
