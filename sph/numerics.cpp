@@ -23,6 +23,7 @@ Numerics paper() {
           .void_feedback = 0.0,
           .pressure_tolerance = 1e-4,
           .pressure_solver = PressureSolverKind::two_level,
+          .body_projections = 1,
           .bonds = Bonds::equal,
           .fitted_bodies = false,
           .solid_no_slip = SolidNoSlip::centres,
@@ -44,6 +45,7 @@ Numerics recommended() {
           .void_feedback = 2.0,
           .pressure_tolerance = 1e-3,
           .pressure_solver = PressureSolverKind::two_level,
+          .body_projections = 2,
           .bonds = Bonds::isotropic,
           .fitted_bodies = true,
           .solid_no_slip = SolidNoSlip::face,
@@ -109,6 +111,10 @@ Numerics read_numerics(Document& document) {
   choose(table, "pressure_solver",
          {"bicgstab", "two_level", "jacobi_cg", "incomplete_cholesky", "cholmod", "boomeramg"},
          n.pressure_solver);
+  const long projections = table.integer_or("body_projections", n.body_projections);
+  if (projections < 1 || projections > 10)
+    table.refuse("body_projections", "must lie between 1 and 10");
+  n.body_projections = static_cast<int>(projections);
   choose(table, "bonds", {"equal", "isotropic"}, n.bonds);
   n.fitted_bodies = table.flag_or("fitted_bodies", n.fitted_bodies);
   choose(table, "solid_no_slip", {"centres", "face"}, n.solid_no_slip);

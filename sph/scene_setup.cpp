@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <fstream>
 #include <functional>
 #include <random>
@@ -122,13 +123,15 @@ double depth_in(const Solid& solid, const Vector<dim>& x) {
   return depth;
 }
 
-/// Takes as many sites from the fluid as an oblique body has particles, those deepest in the body,
-/// so that the domain stays filled; equal depths in the order of the lattice.
+/// Takes as many sites from the fluid as fill the body's volume (`cells`, in lattice cells), those
+/// deepest in the body; equal depths in the order of the lattice. As many as the body has particles
+/// would leave a gap or a bulge where its own cells are smaller or larger, which the density
+/// feedback would push through the channel when the run starts.
 template <int dim>
-void make_room(std::vector<Vector<dim>>& fluid, const Solid& solid, std::size_t count) {
+void make_room(std::vector<Vector<dim>>& fluid, const Solid& solid, double cells) {
   std::vector<std::pair<double, std::size_t>> depth(fluid.size());
   for (std::size_t k = 0; k < fluid.size(); ++k) depth[k] = {-depth_in<dim>(solid, fluid[k]), k};
-  count = std::min(count, fluid.size());
+  const std::size_t count = std::min(static_cast<std::size_t>(std::lround(cells)), fluid.size());
   std::nth_element(depth.begin(), depth.begin() + static_cast<std::ptrdiff_t>(count), depth.end());
   std::vector<bool> taken(fluid.size(), false);
   for (std::size_t k = 0; k < count; ++k) taken[depth[k].second] = true;
@@ -182,7 +185,9 @@ Particles<dim> fill_lattice(const Problem& problem, double spacing,
   for (std::size_t b = 0; b < solid.size(); ++b)
     if (off_lattice[b]) {
       solid[b] = fitted_places<dim>(problem.solids[b], spacing);
-      make_room<dim>(fluid, problem.solids[b], solid[b].size());
+      const auto cells = cell_volumes<dim>(problem.solids[b], solid[b], spacing, true);
+      make_room<dim>(fluid, problem.solids[b],
+                     std::accumulate(cells.begin(), cells.end(), 0.0) / particles.volume);
     }
   for (std::size_t b = 0; b < solid.size(); ++b) {
     const std::size_t first = particles.size();

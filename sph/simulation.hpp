@@ -124,6 +124,10 @@ class Simulation {
   void add_density_feedback();
   void add_void_feedback();
   double mean_prescribed_pressure() const;
+  void find_pressure(std::span<const double> source, std::span<double> pseudo_pressure,
+                     double tolerance);
+  void project_what_is_left(double tolerance);
+  void accelerate_by_pressure();
 
   Numerics numerics_;
   State<dim> state_;
@@ -150,7 +154,7 @@ class Simulation {
 
   std::vector<Vector<dim>> acceleration_;
   std::vector<Vector<dim>> displacement_;
-  std::vector<double> source_;
+  std::vector<double> source_, left_, pressure_change_;
   std::vector<Vector<dim>> extended_before_;
   std::vector<double> point_volume_, lacking_;
 };

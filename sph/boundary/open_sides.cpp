@@ -80,6 +80,72 @@ void InflowSide<dim>::prescribe(std::span<const Role> role, std::span<const Vect
     if (role[i] == Role::inflow && owns(position[i])) velocity[i] = velocity_at(position[i], time);
 }
 
+namespace {
+
+/// Places of the particles of one role that stand beside a plane, mirrored in it.
+template <int dim>
+struct Mirrored {
+  std::vector<Vector<dim>> place;
+  std::vector<std::size_t> particle;
+
+  template <typename Owns>
+  Mirrored(const Particles<dim>& particles, Role role, const OpenPlane<dim>& plane, Owns&& owns) {
+    for (std::size_t i = particles.unknowns; i < particles.size(); ++i)
+      if (particles.role[i] == role && owns(particles.position[i])) {
+        Vector<dim> x = particles.position[i];
+        x[plane.axis] = 2.0 * plane.place - x[plane.axis];
+        place.push_back(x);
+        particle.push_back(i);
+      }
+  }
+};
+
+/// Kernel averages at `places` of value(i), a vector, over the unknown particles i within `reach`
+/// of the plane.
+template <int dim, typename Value>
+std::vector<Vector<dim>> averages_near_plane(const Particles<dim>& particles,
+                                             const OpenPlane<dim>& plane, double reach,
+                                             const std::vector<Vector<dim>>& places,
+                                             const Kernel<dim>& kernel, Value&& value) {
+  std::vector<Vector<dim>> points;
+  std::vector<std::int32_t> source;
+  for (std::size_t i = 0; i < particles.unknowns; ++i)
+    if (plane.depth(particles.position[i]) > -reach) {
+      points.push_back(particles.position[i]);
+      source.push_back(static_cast<std::int32_t>(i));
+    }
+  std::vector<Vector<dim>> average(places.size(), Vector<dim>::Zero());
+  if (points.empty()) return average;
+  Support<dim> support;
+  support.build_around(kernel, places, points, particles.volume);
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    double weight = 0.0;
+    for (const std::int32_t j : support.of(p).index) {
+      const double w = kernel.value((places[p] - points[j]).norm());
+      weight += w;
+      average[p] += w * value(source[j]);
+    }
+    if (weight > 0.0) average[p] /= weight;
+  }
+  return average;
+}
+
+}  // namespace
+
+template <int dim>
+void InflowSide<dim>::meet_at_plane(Particles<dim>& particles, double time,
+                                    const Kernel<dim>& kernel) const {
+  const Mirrored<dim> columns(particles, Role::inflow, plane_,
+                              [&](const Vector<dim>& x) { return owns(x); });
+  const double reach = (columns_ + 1) * spacing_ + kernel.support_radius();
+  const auto lacking = averages_near_plane(
+      particles, plane_, reach, columns.place, kernel, [&](std::int32_t i) -> Vector<dim> {
+        return velocity_at(particles.position[i], time) - particles.predicted_velocity[i];
+      });
+  for (std::size_t k = 0; k < lacking.size(); ++k)
+    particles.predicted_velocity[columns.particle[k]][plane_.axis] += lacking[k][plane_.axis];
+}
+
 template <int dim>
 void InflowSide<dim>::exchange(Particles<dim>& particles, double time, ParticleBooks& books) const {
   const std::size_t n = particles.size();
@@ -164,55 +230,17 @@ void PressureColumns<dim>::prescribe(Particles<dim>& particles, double time,
     }
 }
 
-namespace {
-
-/// Kernel averages of the fluid's velocity at `places`, from particles within `reach` of the plane.
-template <int dim>
-std::vector<Vector<dim>> averages_near_plane(const Particles<dim>& particles,
-                                             const OpenPlane<dim>& plane, double reach,
-                                             const std::vector<Vector<dim>>& places,
-                                             const Kernel<dim>& kernel) {
-  std::vector<Vector<dim>> points;
-  std::vector<std::int32_t> source;
-  for (std::size_t i = 0; i < particles.unknowns; ++i)
-    if (plane.depth(particles.position[i]) > -reach) {
-      points.push_back(particles.position[i]);
-      source.push_back(static_cast<std::int32_t>(i));
-    }
-  std::vector<Vector<dim>> average(places.size(), Vector<dim>::Zero());
-  if (points.empty()) return average;
-  Support<dim> support;
-  support.build_around(kernel, places, points, particles.volume);
-  for (std::size_t p = 0; p < places.size(); ++p) {
-    double weight = 0.0;
-    for (const std::int32_t j : support.of(p).index) {
-      const double w = kernel.value((places[p] - points[j]).norm());
-      weight += w;
-      average[p] += w * particles.velocity[source[j]];
-    }
-    if (weight > 0.0) average[p] /= weight;
-  }
-  return average;
-}
-
-}  // namespace
-
 template <int dim>
 void PressureColumns<dim>::copy_velocity(Particles<dim>& particles,
                                          const Kernel<dim>& kernel) const {
-  std::vector<Vector<dim>> mirrored;
-  std::vector<std::size_t> target;
-  for (std::size_t i = particles.unknowns; i < particles.size(); ++i)
-    if (particles.role[i] == Role::outflow && owns(particles.position[i])) {
-      Vector<dim> x = particles.position[i];
-      x[plane_.axis] = 2.0 * plane_.place - x[plane_.axis];
-      mirrored.push_back(x);
-      target.push_back(i);
-    }
-  if (target.empty()) return;
+  const Mirrored<dim> columns(particles, Role::outflow, plane_,
+                              [&](const Vector<dim>& x) { return owns(x); });
   const double reach = depth() + spacing_ + kernel.support_radius();
-  const auto velocity = averages_near_plane(particles, plane_, reach, mirrored, kernel);
-  for (std::size_t k = 0; k < target.size(); ++k) particles.velocity[target[k]] = velocity[k];
+  const auto velocity =
+      averages_near_plane(particles, plane_, reach, columns.place, kernel,
+                          [&](std::int32_t i) { return particles.velocity[i]; });
+  for (std::size_t k = 0; k < velocity.size(); ++k)
+    particles.velocity[columns.particle[k]] = velocity[k];
 }
 
 template <int dim>

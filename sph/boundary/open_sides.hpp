@@ -26,6 +26,11 @@ class InflowSide {
   /// Prescribes u(t) on the columns.
   void prescribe(std::span<const Role> role, std::span<const Vector<dim>> position,
                  std::span<Vector<dim>> velocity, double time) const;
+  /// Adds to the columns' predicted velocity what the fluid beside the side lacks of the prescribed
+  /// one at `time` (kernel average at the mirrored place, along the normal). Of a jump between
+  /// fluid and columns the divergence of the fluid holds one half; the columns, which have no
+  /// equation, the other. With the plain velocity the flux follows the inflow a step late.
+  void meet_at_plane(Particles<dim>& particles, double time, const Kernel<dim>& kernel) const;
   /// After the motion: roles change, particles are created. Order is restored by sort_by_role.
   void exchange(Particles<dim>& particles, double time, ParticleBooks& books) const;
   Vector<dim> velocity_at(const Vector<dim>& x, double time) const;

@@ -102,20 +102,25 @@ double highest_frequency(const ElasticNetwork<dim>& network, double mass) {
 }
 
 template <int dim>
-ElasticSolid<dim>::ElasticSolid(ElasticNetwork<dim> network, const Particles<dim>& particles,
+ElasticSolid<dim>::ElasticSolid(ElasticNetwork<dim> network, Particles<dim>& particles,
                                 SpringIntegration integration)
     : network_(std::move(network)),
       mass_(particles.mass()),
       integration_(integration),
       highest_frequency_(highest_frequency(network_, mass_)),
       spring_acceleration_(network_.movable, Vector<dim>::Zero()),
-      load_(network_.movable, Vector<dim>::Zero()) {}
+      load_(network_.movable, Vector<dim>::Zero()) {
+  if (integration_ != SpringIntegration::implicit_force) return;
+  withheld_.assign(particles.size(), Vector<dim>::Zero());
+  particles.carried.push_back({"withheld_acceleration", &withheld_});
+}
 
 template <int dim>
 void ElasticSolid<dim>::add_acceleration(const State<dim>& state,
                                          std::vector<Vector<dim>>& acceleration) {
   if (integration_ == SpringIntegration::implicit_force) {
     implicit_acceleration(state);
+    for (std::size_t i = 0; i < network_.movable; ++i) acceleration[i] -= withheld_[i];
   } else {
     find_forces(solid_positions(network_, state.particles.position));
     for (std::size_t i = 0; i < network_.movable; ++i) spring_acceleration_[i] = force_[i] / mass_;
@@ -323,13 +328,16 @@ void ElasticSolid<dim>::constrain(State<dim>& state, const std::vector<Vector<di
   const double dt = state.clock.time_step;
   Eigen::VectorXd force(n * dim);
   for (std::size_t i = 0; i < n; ++i) {
-    load_[i] = (particles.velocity[i] - old_velocity[i]) / dt - spring_acceleration_[i];
+    load_[i] = (particles.velocity[i] - old_velocity[i]) / dt - spring_acceleration_[i] +
+               withheld_[i];
     force.template segment<dim>(i * dim) = mass_ * load_[i];
   }
   const Eigen::VectorXd a = factor_.solve(force);
-  for (std::size_t i = 0; i < n; ++i)
-    particles.velocity[i] =
-        old_velocity[i] + dt * (spring_acceleration_[i] + a.template segment<dim>(i * dim));
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector<dim> carried = a.template segment<dim>(i * dim);
+    particles.velocity[i] = old_velocity[i] + dt * (spring_acceleration_[i] + carried);
+    withheld_[i] = load_[i] - carried;
+  }
   advance_laws(state);
 }
 

@@ -19,11 +19,12 @@ class ElasticSolid final : public Acceleration<dim>,
                            public Constraint<dim>,
                            public TimeStepLimit<dim> {
  public:
-  ElasticSolid(ElasticNetwork<dim> network, const Particles<dim>& particles,
+  /// With implicit springs an array is carried with the `particles`, so the body must outlive them.
+  ElasticSolid(ElasticNetwork<dim> network, Particles<dim>& particles,
                SpringIntegration integration);
 
   /// Explicit: F(x)/m. Implicit: H F/m with H = (M + g dt^2 K)^-1 M, K the positive part of the
-  /// tangent, and F taken at x + a dt u (g = 1/2, a = 1/10).
+  /// tangent, and F taken at x + a dt u (g = 1/2, a = 1/10); and what constrain() withheld.
   void add_acceleration(const State<dim>& state, std::vector<Vector<dim>>& acceleration) override;
 
   /// Implicit springs: what pressure and viscosity did to the body passes through H too, so that
@@ -33,6 +34,14 @@ class ElasticSolid final : public Acceleration<dim>,
   /// update an undamped spring becomes the leapfrog of squared frequency w^2/(1 + g w^2 dt^2),
   /// stable for any step; `a` damps a mode by the ratio a w dt/2 and the stiffest by sqrt(1 - a/g)
   /// per step.
+  ///
+  /// The pressure equation takes the body for free fluid and learns nothing of (H - 1) f/m, by
+  /// which the springs then hold the body back; the fluid beside it goes on as if it had not been.
+  /// With a fluid of several times the body's mass moving along, that damps a body's vibrations by
+  /// ratios of the order of w dt m_fluid/m_body. The next step's prediction therefore holds this
+  /// step's (H - 1) f/m; only its change from step to step comes late then. For a mode that dt^2 K
+  /// stiffens without limit, pressure and body settle by (m_fluid/(m_fluid + m_body))^(1/2) per
+  /// step.
   void constrain(State<dim>& state, const std::vector<Vector<dim>>& old_velocity) override;
 
   /// omega_max of K/m at rest. Implicit springs set no limit and are not asked.
@@ -74,6 +83,9 @@ class ElasticSolid final : public Acceleration<dim>,
   std::vector<Vector<dim>> force_;
   std::vector<Vector<dim>> spring_acceleration_;
   std::vector<Vector<dim>> load_;
+  /// (1 - H) f/m of the last step, m/s2, of all particles (0 beyond the body's); empty with
+  /// explicit springs.
+  std::vector<Vector<dim>> withheld_;
   std::vector<double> tension_;
   std::vector<std::unique_ptr<BondLaw>> laws_;
   std::vector<double> slope_;  ///< that the laws add to the bonds' own; empty without laws

@@ -206,7 +206,7 @@ template <int dim>
 bool add_springs(ParticleScene<dim>& scene, const ModulusTable& table) {
   if (scene.problem.solids.empty()) return false;
   auto& simulation = *scene.simulation;
-  const auto& particles = simulation.state().particles;
+  auto& particles = simulation.state().particles;
   const Numerics& numerics = simulation.numerics();
   const double lambda = table.modulus_per_stiffness(dim, numerics.bonds, numerics.area_stiffness);
   auto network = network_at_rest(particles);

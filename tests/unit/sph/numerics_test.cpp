@@ -30,6 +30,7 @@ TEST(Numerics, PaperIsAsPrinted) {
   EXPECT_FALSE(n.volume_along_step);
   EXPECT_EQ(n.density_feedback, 0.0);
   EXPECT_EQ(n.void_feedback, 0.0);
+  EXPECT_EQ(n.body_projections, 1);
   EXPECT_FALSE(n.fitted_bodies);
   EXPECT_FALSE(n.surface_correction);
   EXPECT_EQ(n.area_stiffness, 0.0);
@@ -48,6 +49,7 @@ TEST(Numerics, RecommendedIsTheDefaultAndCorrected) {
     EXPECT_TRUE(n.volume_along_step);
     EXPECT_GT(n.density_feedback, 0.0);
     EXPECT_GT(n.void_feedback, 0.0);
+    EXPECT_GT(n.body_projections, 1);
     EXPECT_TRUE(n.fitted_bodies);
     EXPECT_TRUE(n.surface_correction);
     EXPECT_GT(n.area_stiffness, 0.0);
@@ -68,6 +70,7 @@ void_feedback = 1.5
 fitted_bodies = true
 pressure_tolerance = 1e-5
 pressure_solver = "bicgstab"
+body_projections = 5
 bonds = "isotropic"
 solid_no_slip = "face"
 surface_correction = true
@@ -86,6 +89,7 @@ courant = 0.2
   EXPECT_TRUE(n.fitted_bodies);
   EXPECT_EQ(n.pressure_tolerance, 1e-5);
   EXPECT_EQ(n.pressure_solver, PressureSolverKind::bicgstab);
+  EXPECT_EQ(n.body_projections, 5);
   EXPECT_EQ(n.bonds, Bonds::isotropic);
   EXPECT_EQ(n.solid_no_slip, SolidNoSlip::face);
   EXPECT_TRUE(n.surface_correction);
@@ -127,6 +131,7 @@ TEST(Numerics, RefusalsNameLineValueAndRange) {
   EXPECT_NE(refusal("courant = 0.0\n"), "");
   EXPECT_NE(refusal("density_feedback = -0.1\n"), "");
   EXPECT_NE(refusal("void_feedback = -0.1\n"), "");
+  EXPECT_NE(refusal("body_projections = 0\n").find("between 1 and 10"), std::string::npos);
   const std::string motion =
       refusal("position_update = \"mean_velocity\"\nvolume_along_step = true\n");
   EXPECT_NE(motion.find("new_velocity"), std::string::npos) << motion;

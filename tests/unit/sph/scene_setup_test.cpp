@@ -53,7 +53,7 @@ TEST(ModulusTable, SaysWhatIsMissing) {
 TEST(SceneSetup, FillsTheChannelAndTheBeam) {
   const auto scene = set_up({});
   const auto& particles = scene.simulation->state().particles;
-  EXPECT_EQ(particles.unknowns, 120u * 40u);
+  EXPECT_EQ(particles.unknowns - particles.solids, 120u * 40u - 27u);
   // Beam 15 mm x 100 mm at 7.5 mm: two columns of the 13 rows whose centres (3.75 mm + k 7.5 mm)
   // lie below 100 mm.
   EXPECT_EQ(particles.solids, 2u * 13u);
@@ -148,7 +148,8 @@ TEST(SceneSetup, ABodyOffTheLatticeFillsItsHeight) {
       high = std::max(high, particles.position[i][1]);
     }
     EXPECT_EQ(particles.solids, 26u);
-    EXPECT_EQ(particles.unknowns, 120u * 40u);
+    // 15 mm x 100 mm are 26.7 cells of the lattice, whatever the beam's own number of particles.
+    EXPECT_EQ(particles.unknowns - particles.solids, 120u * 40u - (fitted ? 27u : 26u));
     EXPECT_NEAR(low + high, fitted ? 0.1 : 0.0975, 1e-12);
   }
 }
