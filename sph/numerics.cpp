@@ -45,7 +45,7 @@ Numerics recommended() {
           .void_feedback = 2.0,
           .pressure_tolerance = 1e-3,
           .pressure_solver = PressureSolverKind::two_level,
-          .body_projections = 2,
+          .body_projections = 3,
           .bonds = Bonds::isotropic,
           .fitted_bodies = true,
           .solid_no_slip = SolidNoSlip::face,
