@@ -142,7 +142,7 @@ class Draw:
         for key, values in {"smoothing_length_ratio": [1.0, 1.3, 1.5, 2.0], "gradient_correction": [True, False],
                             "shifting": ["none", "xu", "fickian"], "density_feedback": [0, 0.5, 5],
                             "volume_along_step": [True, False], "void_feedback": [0, 2, 10],
-                            "fitted_bodies": [True, False],
+                            "fitted_bodies": [True, False], "body_projections": [1, 2, 5],
                             "pressure_tolerance": [1e-1, 1e-6, 1e-10], "spring_integration": ["explicit", "implicit"],
                             "pressure_solver": ["bicgstab", "jacobi_cg", "cholmod", "incomplete_cholesky", "boomeramg"],
                             "solid_no_slip": ["centres", "face"], "position_update": ["mean_velocity", "new_velocity"],

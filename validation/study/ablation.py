@@ -43,6 +43,7 @@ CHOICES = [
     ("pressure_solver", "jacobi_cg", False),
     ("position_update", "mean_velocity", False),
     ("courant", "0.8", False),
+    ("body_projections", "1", True),
     ("fitted_bodies", "false", True),
     ("bonds", "equal", True),
     ("solid_no_slip", "centres", True),
