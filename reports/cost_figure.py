@@ -102,11 +102,13 @@ def draw_own(panel, rows: list[dict], about: dict) -> None:
 
 
 def draw(rows: list[dict], about: dict, file: Path) -> None:
-    curves = len({row["curve"] for row in rows})
+    low = lowest(rows, about)
+    by_curve = {curve: [row for row in rows if row["curve"] == curve] for curve in dict.fromkeys(r["curve"] for r in rows)}
+    lines = sum(1 + label(curve, own, about, low).count("\n") for curve, own in by_curve.items())
     panels = ["time", "memory"] + (["own"] if any(row.get("error_own") for row in rows) else [])
     figure, axes = plt.subplot_mosaic([panels, ["legend"] * len(panels)], layout="constrained",
-                                      figsize=(0.625 * len(panels) * style.WIDTH, 4.8 + 0.2 * curves),
-                                      height_ratios=[4.8, 0.2 * curves])
+                                      figsize=(0.625 * len(panels) * style.WIDTH, 5.5 + 0.2 * lines),
+                                      height_ratios=[4.8, 0.7 + 0.2 * lines])
     left, right, legend = axes["time"], axes["memory"], axes["legend"]
     right.sharey(left)
     legend.axis("off")
@@ -119,8 +121,7 @@ def draw(rows: list[dict], about: dict, file: Path) -> None:
     right.set(xlabel="memory [MB], largest resident set", title="the same by memory")
     commits = "; ".join(f"{WORDS[solver]} {', '.join(c[:7] for c in those)}" for solver, those in about["commits"].items())
     legend.legend(*left.get_legend_handles_labels(), loc="center", fontsize=7.5)
-    right.text(1.0, 1.02, f"commits: {commits}; {', '.join(about['processor'])}", fontsize=6.5, ha="right",
-               transform=right.transAxes)
+    figure.supxlabel(f"commits: {commits}; {', '.join(about['processor'])}", fontsize=6.5)
     style.save(figure, file)
 
 
