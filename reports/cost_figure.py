@@ -56,7 +56,7 @@ def draw_panel(panel, rows: list[dict], about: dict, cost: str, bars: bool) -> N
     floor = max(about["truth_error"].values())
     panel.set(xscale="log", yscale="log")
     panel.set_ylim(bottom=low)
-    if floor > 0.0:
+    if floor > low:
         panel.axhspan(low, floor, color="#d9d9d9", zorder=-1)
         panel.text(0.99, floor, "the truth's own error ", ha="right", va="top", fontsize=7,
                    transform=panel.get_yaxis_transform())
@@ -107,8 +107,8 @@ def draw(rows: list[dict], about: dict, file: Path) -> None:
     lines = sum(1 + label(curve, own, about, low).count("\n") for curve, own in by_curve.items())
     panels = ["time", "memory"] + (["own"] if any(row.get("error_own") for row in rows) else [])
     figure, axes = plt.subplot_mosaic([panels, ["legend"] * len(panels)], layout="constrained",
-                                      figsize=(0.625 * len(panels) * style.WIDTH, 5.5 + 0.2 * lines),
-                                      height_ratios=[4.8, 0.7 + 0.2 * lines])
+                                      figsize=(0.625 * len(panels) * style.WIDTH, 4.8 + 0.2 * lines),
+                                      height_ratios=[4.8, 0.2 * lines])
     left, right, legend = axes["time"], axes["memory"], axes["legend"]
     right.sharey(left)
     legend.axis("off")
