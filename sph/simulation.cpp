@@ -505,8 +505,13 @@ void Simulation<dim>::project_what_is_left(double tolerance) {
   // Velocities that are prescribed do not change.
   acceleration_.resize(particles.size(), Vector<dim>::Zero());
   divergence(acceleration_, left_);
-  for (std::size_t i = 0; i < left_.size(); ++i)
-    left_[i] += source_[i] - matrix_.boundary_source()[i];
+  for (std::size_t i = 0; i < left_.size(); ++i) {
+    const auto near = state_.support.lower(i).index;
+    const bool beside = i < particles.solids || std::any_of(near.begin(), near.end(), [&](auto j) {
+                          return static_cast<std::size_t>(j) < particles.solids;
+                        });
+    left_[i] = beside ? left_[i] + source_[i] - matrix_.boundary_source()[i] : 0.0;
+  }
   if (matrix_.singular()) remove_mean(left_);
   pressure_change_.assign(left_.size(), 0.0);
   find_pressure(left_, pressure_change_, tolerance);
