@@ -336,25 +336,23 @@ void Simulation<dim>::divergence_to_remove() {
   state_.images.extend_for_divergence(particles.velocity, extended_before_);
   const double half_step = 0.5 * state_.clock.time_step;
   const bool corrected = !state_.gradient_correction.empty();
-  const SymmetricMatrix<dim> one(Matrix<dim>::Identity());
+  const Matrix<dim> one = Matrix<dim>::Identity();
   const std::size_t n = particles.unknowns;
   source_.resize(n);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
-    const auto near = state_.support.of(i);
-    const SymmetricMatrix<dim> correction = corrected ? state_.gradient_correction[i] : one;
+    const Matrix<dim> correction = corrected ? state_.gradient_correction[i].full() : one;
     const Vector<dim> x = points[i], u = state_.extended_velocity[i], before = extended_before_[i];
-    double sum = 0.0;
-    OuterProductSum<dim> outer;
-    for (std::size_t k = 0; k < near.index.size(); ++k) {
-      const std::int32_t j = near.index[k];
-      const Vector<dim> r = x - points[j];
-      sum += near.gradient_factor[k] * correction.form(state_.extended_velocity[j] - u, r);
-      outer.add(near.gradient_factor[k], extended_before_[j] - before, r);
-    }
-    source_[i] = particles.volume * sum;
+    OuterProductSum<dim> outer, outer_before;
+    for_each_two<dim>(state_.support.of(i), [&](Two f, const auto& j) {
+      TwoVectors<dim> fr = difference(x, points, j);
+      for (Two& component : fr) component *= f;
+      outer.add(difference(u, state_.extended_velocity, j), fr);
+      outer_before.add(difference(before, extended_before_, j), fr);
+    });
+    source_[i] = -particles.volume * outer.sum().cwiseProduct(correction).sum();
     if (i < particles.solids) continue;  // the springs decide how a body moves, after the pressure
-    const Matrix<dim> gradient = particles.volume * outer.sum() * correction.full();
+    const Matrix<dim> gradient = particles.volume * outer_before.sum() * correction;
     source_[i] -= half_step * (gradient * gradient).trace();
   }
 }

@@ -2,6 +2,7 @@
 /// Symmetric matrices in sweeps over pairs, written out: loops over three coordinates make GCC 12
 /// build vectors of two through the stack and wait for its own stores, at twice to thrice the time.
 
+#include "sph/two_pairs.hpp"
 #include "sph/vector.hpp"
 
 #include <array>
@@ -77,25 +78,23 @@ class SymmetricMatrix {
   std::array<double, dim*(dim + 1) / 2> a_{};
 };
 
-/// Adds up f a b^T.
+/// Adds up a b^T over pairs, two at a time.
 template <int dim>
 class OuterProductSum {
  public:
-  void add(double f, const Vector<dim>& a, const Vector<dim>& b) {
-    for (int i = 0; i < dim; ++i) {
-      const double fa = f * a[i];
-      for (int j = 0; j < dim; ++j) m_[i * dim + j] += fa * b[j];
-    }
+  void add(const TwoVectors<dim>& a, const TwoVectors<dim>& b) {
+    for (int i = 0; i < dim; ++i)
+      for (int j = 0; j < dim; ++j) m_[i * dim + j] += a[i] * b[j];
   }
   Matrix<dim> sum() const {
     Matrix<dim> m;
     for (int i = 0; i < dim; ++i)
-      for (int j = 0; j < dim; ++j) m(i, j) = m_[i * dim + j];
+      for (int j = 0; j < dim; ++j) m(i, j) = sum_of(m_[i * dim + j]);
     return m;
   }
 
  private:
-  std::array<double, dim * dim> m_{};
+  std::array<Two, dim * dim> m_{};
 };
 
 }  // namespace sprung::sph
