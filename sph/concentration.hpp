@@ -16,9 +16,7 @@ Vector<dim> towards_emptier_side(const State<dim>& state, std::size_t i) {
     const TwoVectors<dim> r = difference(x, points, j);
     for (int d = 0; d < dim; ++d) sum[d] -= f * r[d];
   });
-  Vector<dim> result;
-  for (int d = 0; d < dim; ++d) result[d] = sum_of(sum[d]);
-  return result;
+  return sum_of<dim>(sum);
 }
 
 }  // namespace sprung::sph

@@ -297,12 +297,12 @@ void Simulation<dim>::correct_gradients() {
   state_.laplacian_correction.resize(particles.size());
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < particles.unknowns; ++i) {
-    const auto near = state_.support.of(i);
     const Vector<dim> x = points[i];
-    SymmetricMatrix<dim> outer;
-    for (std::size_t k = 0; k < near.index.size(); ++k)
-      outer.add(near.gradient_factor[k], x - points[near.index[k]]);
-    const Matrix<dim> moment = -particles.volume * outer.full();
+    SymmetricMatrix<dim, Two> outer;
+    for_each_two<dim>(state_.support.of(i), [&](Two f, const auto& j) {
+      outer.add(f, difference(x, points, j));
+    });
+    const Matrix<dim> moment = -particles.volume * sum_of(outer).full();
     constexpr double least_determinant = 0.2;  // of the whole lattice's 1
     if (moment.determinant() <= least_determinant) {
       state_.gradient_correction[i] = state_.laplacian_correction[i] = one;

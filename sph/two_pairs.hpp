@@ -22,6 +22,13 @@ inline double sum_of(Two a) {
 template <int dim>
 using TwoVectors = std::array<Two, dim>;
 
+template <int dim>
+Vector<dim> sum_of(const TwoVectors<dim>& a) {
+  Vector<dim> sum;
+  for (int d = 0; d < dim; ++d) sum[d] = sum_of(a[d]);
+  return sum;
+}
+
 /// b - c[j] of both pairs.
 template <int dim>
 TwoVectors<dim> difference(const Vector<dim>& b, const std::vector<Vector<dim>>& c,

@@ -29,8 +29,7 @@ Surroundings<dim> surroundings(const State<dim>& state, const std::vector<Vector
     for (int d = 0; d < dim; ++d) emptier[d] -= fr[d] *= f;
     outer.add(du, fr);
   });
-  Surroundings<dim> result{-state.particles.volume * outer.sum(), {}};
-  for (int d = 0; d < dim; ++d) result.towards_emptier_side[d] = sum_of(emptier[d]);
+  Surroundings<dim> result{-state.particles.volume * outer.sum(), sum_of<dim>(emptier)};
   if (!state.gradient_correction.empty())
     result.velocity_gradient *= state.gradient_correction[i].full();
   return result;

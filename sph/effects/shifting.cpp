@@ -9,8 +9,8 @@
 namespace sprung::sph {
 
 template <int dim, typename Direction>
-Vector<dim> ShiftingEffect<dim, Direction>::direction(
-    const State<dim>& state, std::size_t i, const Vector<dim>& emptier_side) const {
+Vector<dim> ShiftingEffect<dim, Direction>::direction(const State<dim>& state, std::size_t i,
+                                                      const Vector<dim>& emptier_side) const {
   if constexpr (std::is_base_of_v<FickianDirection, Direction>)
     return state.kernel.smoothing_length() * state.particles.volume * emptier_side;
   const auto near = state.support.of(i);
