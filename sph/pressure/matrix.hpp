@@ -79,6 +79,17 @@ class PressureMatrix {
     return pair_sum<order>(i, ends_[i].before_block, ends_[i].lower, x) +
            folded_sum(folded_[i].before_block, folded_[i].lower, x);
   }
+  /// All columns below i, all above it.
+  template <Order order>
+  double lower(std::size_t i, const double* x) const {
+    return pair_sum<order>(i, 0, ends_[i].lower, x) +
+           folded_sum(folded_[i].begin, folded_[i].lower, x);
+  }
+  template <Order order>
+  double upper(std::size_t i, const double* x) const {
+    return pair_sum<order>(i, ends_[i].lower, ends_[i].inner, x) +
+           folded_sum(folded_[i].lower, folded_[i].end, x);
+  }
   template <Order order>
   double upper_in_block(std::size_t i, const double* x) const {
     return pair_sum<order>(i, ends_[i].lower, ends_[i].in_block, x) +
