@@ -299,9 +299,8 @@ void Simulation<dim>::correct_gradients() {
   for (std::size_t i = 0; i < particles.unknowns; ++i) {
     const Vector<dim> x = points[i];
     SymmetricMatrix<dim, Two> outer;
-    for_each_two<dim>(state_.support.of(i), [&](Two f, const auto& j) {
-      outer.add(f, difference(x, points, j));
-    });
+    for_each_two<dim>(state_.support.of(i),
+                      [&](Two f, const auto& j) { outer.add(f, difference(x, points, j)); });
     const Matrix<dim> moment = -particles.volume * sum_of(outer).full();
     constexpr double least_determinant = 0.2;  // of the whole lattice's 1
     if (moment.determinant() <= least_determinant) {
