@@ -10,11 +10,13 @@ namespace sprung::sph {
 template <int dim>
 Vector<dim> towards_emptier_side(const State<dim>& state, std::size_t i) {
   const auto& points = state.images.points();
-  const auto near = state.support.of(i);
-  Vector<dim> sum = Vector<dim>::Zero();
-  for (std::size_t k = 0; k < near.index.size(); ++k)
-    sum -= near.gradient_factor[k] * (points[i] - points[near.index[k]]);
-  return sum;
+  const Vector<dim> x = points[i];
+  TwoVectors<dim> sum{};
+  for_each_two<dim>(state.support.of(i), [&](Two f, const auto& j) {
+    const TwoVectors<dim> r = difference(x, points, j);
+    for (int d = 0; d < dim; ++d) sum[d] -= f * r[d];
+  });
+  return sum_of<dim>(sum);
 }
 
 }  // namespace sprung::sph

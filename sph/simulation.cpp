@@ -299,12 +299,11 @@ void Simulation<dim>::correct_gradients() {
   state_.laplacian_correction.resize(particles.size());
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < particles.unknowns; ++i) {
-    const auto near = state_.support.of(i);
     const Vector<dim> x = points[i];
-    SymmetricMatrix<dim> outer;
-    for (std::size_t k = 0; k < near.index.size(); ++k)
-      outer.add(near.gradient_factor[k], x - points[near.index[k]]);
-    const Matrix<dim> moment = -particles.volume * outer.full();
+    SymmetricMatrix<dim, Two> outer;
+    for_each_two<dim>(state_.support.of(i),
+                      [&](Two f, const auto& j) { outer.add(f, difference(x, points, j)); });
+    const Matrix<dim> moment = -particles.volume * sum_of(outer).full();
     constexpr double least_determinant = 0.2;  // of the whole lattice's 1
     if (moment.determinant() <= least_determinant) {
       state_.gradient_correction[i] = state_.laplacian_correction[i] = one;
@@ -338,25 +337,23 @@ void Simulation<dim>::divergence_to_remove() {
   state_.images.extend_for_divergence(particles.velocity, extended_before_);
   const double half_step = 0.5 * state_.clock.time_step;
   const bool corrected = !state_.gradient_correction.empty();
-  const SymmetricMatrix<dim> one(Matrix<dim>::Identity());
+  const Matrix<dim> one = Matrix<dim>::Identity();
   const std::size_t n = particles.unknowns;
   source_.resize(n);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
-    const auto near = state_.support.of(i);
-    const SymmetricMatrix<dim> correction = corrected ? state_.gradient_correction[i] : one;
+    const Matrix<dim> correction = corrected ? state_.gradient_correction[i].full() : one;
     const Vector<dim> x = points[i], u = state_.extended_velocity[i], before = extended_before_[i];
-    double sum = 0.0;
-    OuterProductSum<dim> outer;
-    for (std::size_t k = 0; k < near.index.size(); ++k) {
-      const std::int32_t j = near.index[k];
-      const Vector<dim> r = x - points[j];
-      sum += near.gradient_factor[k] * correction.form(state_.extended_velocity[j] - u, r);
-      outer.add(near.gradient_factor[k], extended_before_[j] - before, r);
-    }
-    source_[i] = particles.volume * sum;
+    OuterProductSum<dim> outer, outer_before;
+    for_each_two<dim>(state_.support.of(i), [&](Two f, const auto& j) {
+      TwoVectors<dim> fr = difference(x, points, j);
+      for (Two& component : fr) component *= f;
+      outer.add(difference(u, state_.extended_velocity, j), fr);
+      outer_before.add(difference(before, extended_before_, j), fr);
+    });
+    source_[i] = -particles.volume * outer.sum().cwiseProduct(correction).sum();
     if (i < particles.solids) continue;  // the springs decide how a body moves, after the pressure
-    const Matrix<dim> gradient = particles.volume * outer.sum() * correction.full();
+    const Matrix<dim> gradient = particles.volume * outer_before.sum() * correction;
     source_[i] -= half_step * (gradient * gradient).trace();
   }
 }

@@ -1,6 +1,5 @@
 #include "sph/effects/shifting.hpp"
 
-#include "sph/concentration.hpp"
 #include "sph/velocity_gradient.hpp"
 
 #include <algorithm>
@@ -10,11 +9,11 @@
 namespace sprung::sph {
 
 template <int dim, typename Direction>
-Vector<dim> ShiftingEffect<dim, Direction>::direction(
-    const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
+Vector<dim> ShiftingEffect<dim, Direction>::direction(const State<dim>& state, std::size_t i,
+                                                      const Vector<dim>& emptier_side) const {
   if constexpr (std::is_base_of_v<FickianDirection, Direction>)
-    return state.kernel.smoothing_length() * state.particles.volume *
-           towards_emptier_side(state, i);
+    return state.kernel.smoothing_length() * state.particles.volume * emptier_side;
+  const auto near = state.support.of(i);
   const auto& points = state.images.points();
   Vector<dim> sum = Vector<dim>::Zero();
   double mean_distance = 0.0;
@@ -42,13 +41,12 @@ void ShiftingEffect<dim, Direction>::add_displacement(State<dim>& state,
   const std::size_t n = particles.unknowns;
 #pragma omp parallel for schedule(static)
   for (std::size_t i = particles.solids; i < n; ++i) {
-    const auto near = state.support.of(i);
-    if (near.index.empty()) continue;
-    const Matrix<dim> gradient = velocity_gradient(state, extended, i);
+    if (state.support.of(i).index.empty()) continue;
+    const auto [gradient, emptier_side] = surroundings(state, extended, i);
     double speed = fastest;
     if constexpr (local)
       speed = std::max(h * gradient.norm(), SlidingDirection::least_part * fastest);
-    Vector<dim> shift = coefficient_ * speed * dt * direction(state, i, near);
+    Vector<dim> shift = coefficient_ * speed * dt * direction(state, i, emptier_side);
     const double length = shift.norm();
     if (length > cap) shift *= cap / length;
     displacement[i] += shift;

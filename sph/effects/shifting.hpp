@@ -39,7 +39,7 @@ class ShiftingEffect final : public Motion<dim> {
  private:
   /// Displacement of particle i per length C u dt, u the direction's speed.
   Vector<dim> direction(const State<dim>& state, std::size_t i,
-                        const typename Support<dim>::Neighbours& near) const;
+                        const Vector<dim>& emptier_side) const;
   double coefficient_;
 };
 

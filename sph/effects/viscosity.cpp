@@ -64,18 +64,20 @@ Vector<dim> ViscosityEffect<dim, Law>::corrected_sum(
   const auto& correction = state.laplacian_correction;
   const auto& extended = state.extended_velocity;
   const SymmetricMatrix<dim> own = correction[i];
-  const Vector<dim> u_i = extended[i];
-  Vector<dim> sum = Vector<dim>::Zero();
-  const std::size_t inner = state.support.inner(i).index.size();
-  for (std::size_t k = 0; k < near.index.size(); ++k) {
-    const std::int32_t j = near.index[k];
-    const Vector<dim> r = points[i] - points[j];
-    const auto& other = correction[k < inner ? j : state.images.source(j)];
-    const double form = (own + other).form(r);
-    sum += (law_.of_pair(state, i, j) * 0.5 * form / r.squaredNorm() * near.gradient_factor[k]) *
-           (u_i - extended[j]);
-  }
-  return sum;
+  const Vector<dim> x = points[i], u = extended[i];
+  TwoVectors<dim> both{};
+  for_each_two<dim>(near, [&](Two f, const auto& j) {
+    const TwoVectors<dim> r = difference(x, points, j);
+    const auto form =
+        sums(own, correction, {state.images.source(j[0]), state.images.source(j[1])}).form(r);
+    const Two viscosity{law_.of_pair(state, i, j[0]), law_.of_pair(state, i, j[1])};
+    Two square = r[0] * r[0];
+    for (int d = 1; d < dim; ++d) square += r[d] * r[d];
+    const Two weight = 0.5 * viscosity * f * form / square;
+    const TwoVectors<dim> du = difference(u, extended, j);
+    for (int d = 0; d < dim; ++d) both[d] += weight * du[d];
+  });
+  return sum_of<dim>(both);
 }
 
 /// What the pairs across a body's surface lack when the solid particle's own velocity is taken at

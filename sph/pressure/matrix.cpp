@@ -44,8 +44,7 @@ void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>
   bool pinned = false;
 #pragma omp parallel for schedule(static) reduction(|| : pinned)
   for (std::size_t i = 0; i < n; ++i) {
-    double diagonal = 0.0, source = 0.0;
-    for (const double f : support.inner(i).gradient_factor) diagonal += scale_ * f;
+    double diagonal = scale_ * factor_sum(i), source = 0.0;
     const auto outside = support.outer(i);
     std::int32_t folded = folded_[i].begin;
     for (std::size_t k = 0; k < outside.index.size(); ++k) {

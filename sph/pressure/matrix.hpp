@@ -51,6 +51,15 @@ class PressureMatrix {
     visit_folded(folded_[i].lower, folded_[i].end, visit);
   }
 
+  /// Asks memory for the pairs above row i: worth it where rows are taken in no order of memory.
+  void prefetch_upper(std::size_t i) const {
+    constexpr std::int32_t line = 64;  // bytes
+    for (std::int32_t k = ends_[i].lower; k < ends_[i].inner; k += line / sizeof(std::int32_t))
+      __builtin_prefetch(column_ + first_[i] + k);
+    for (std::int32_t k = ends_[i].lower; k < ends_[i].inner; k += line / sizeof(double))
+      __builtin_prefetch(factor_ + first_[i] + k);
+  }
+
   /// The sum of a_ij x_j over row i.
   double sum(std::size_t i, const double* x) const {
     return pair_sum<Order::ascending>(i, 0, ends_[i].inner, x) +
@@ -69,6 +78,17 @@ class PressureMatrix {
   double lower_in_block(std::size_t i, const double* x) const {
     return pair_sum<order>(i, ends_[i].before_block, ends_[i].lower, x) +
            folded_sum(folded_[i].before_block, folded_[i].lower, x);
+  }
+  /// All columns below i, all above it.
+  template <Order order>
+  double lower(std::size_t i, const double* x) const {
+    return pair_sum<order>(i, 0, ends_[i].lower, x) +
+           folded_sum(folded_[i].begin, folded_[i].lower, x);
+  }
+  template <Order order>
+  double upper(std::size_t i, const double* x) const {
+    return pair_sum<order>(i, ends_[i].lower, ends_[i].inner, x) +
+           folded_sum(folded_[i].lower, folded_[i].end, x);
   }
   template <Order order>
   double upper_in_block(std::size_t i, const double* x) const {
@@ -109,6 +129,16 @@ class PressureMatrix {
       for (int p = 0; p < 4; ++p) part[p] += factor[p * step] * x[column[p * step]];
     for (; left > 0; --left, column += step, factor += step) part[0] += *factor * x[*column];
     return scale_ * ((part[0] + part[1]) + (part[2] + part[3]));
+  }
+  /// The same of the factors alone.
+  double factor_sum(std::size_t i) const {
+    const double* factor = factor_ + first_[i];
+    std::array<double, 4> part{};
+    std::int32_t left = ends_[i].inner;
+    for (; left >= 4; left -= 4, factor += 4)
+      for (int p = 0; p < 4; ++p) part[p] += factor[p];
+    for (; left > 0; --left, ++factor) part[0] += *factor;
+    return (part[0] + part[1]) + (part[2] + part[3]);
   }
   double folded_sum(std::int32_t begin, std::int32_t end, const double* x) const {
     double sum = 0.0;

@@ -61,8 +61,7 @@ class TwoLevel final : public Preconditioner {
     });
     for_each_block(matrix.rows(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        w_[i] = matrix.before_block<order>(i, z.data()) +
-                matrix.upper_in_block<order>(i, z.data()) + matrix.after_block<order>(i, z.data());
+        w_[i] = matrix.before_block<order>(i, z.data()) + matrix.upper<order>(i, z.data());
     });
   }
 
@@ -75,8 +74,7 @@ class TwoLevel final : public Preconditioner {
       for (std::size_t i = end; i-- > begin;) {
         double sum = r[i] + matrix.after_block<order>(i, before_.data());
         sum += matrix.upper_in_block<order>(i, z.data());
-        sum += matrix.lower_in_block<order>(i, before_.data());
-        sum += matrix.before_block<order>(i, before_.data());
+        sum += matrix.lower<order>(i, before_.data());
         z[i] = sum * inverse_diagonal_[i];
       }
     });
