@@ -22,7 +22,7 @@ class StaticSystem {
                {},
                sph::Kernel<dim>(particles.spacing),
                {0.0, time_step_, 0.0, 0}},
-        solid_(network, particles, sph::SpringIntegration::implicit_force),
+        solid_(network, state_.particles, sph::SpringIntegration::implicit_force),
         at_rest_(network.movable, sph::Vector<dim>::Zero()),
         acceleration_(network.movable) {}
 
