@@ -52,8 +52,9 @@ struct Numerics {
   double void_feedback = 0.0;
   double pressure_tolerance = 0.0;
   PressureSolverKind pressure_solver{};
-  /// Times that a step solves the pressure equation in a scene with elastic bodies; without one it
-  /// is solved once. See Simulation::project_what_is_left.
+  /// Times that a step solves the pressure equation in a scene with elastic bodies, to a hundred
+  /// times the tolerance each if more than one; without a body it is solved once. See
+  /// Simulation::project_what_is_left.
   int body_projections = 1;
   Bonds bonds{};
   /// Bodies along the axes that do not fill whole cells of the fluid's lattice get one of their

@@ -495,7 +495,7 @@ void Simulation<dim>::find_pressure(std::span<const double> source,
 /// within the kernel's reach, one projection leaves a good part. It goes with the next steps: a
 /// pressure that must answer to springs, which pull at the body and not at the fluid beside it,
 /// does so some steps late, and the body moves as in a more viscous fluid. One step of iterative
-/// refinement: psi += A^-1 (b - D G psi).
+/// refinement beside bodies: psi += A^-1 (b - D G psi). Fluid alone loses by it.
 template <int dim>
 void Simulation<dim>::project_what_is_left(double tolerance) {
   auto& particles = state_.particles;
