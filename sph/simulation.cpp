@@ -243,10 +243,10 @@ void Simulation<dim>::predict_velocity() {
 }
 
 /// Eq. 3's sum, sum_j V (u_j - u_i) . grad W_ij, 1/s; with the corrected gradient where that is
-/// chosen.
+/// chosen. `where`: of these particles only, 0 for the others; empty: of all.
 template <int dim>
 void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
-                                 std::vector<double>& result) {
+                                 std::vector<double>& result, std::span<const char> where) {
   const auto& particles = state_.particles;
   const auto& points = state_.images.points();
   state_.images.extend_for_divergence(velocity, state_.extended_velocity);
@@ -255,6 +255,10 @@ void Simulation<dim>::divergence(const std::vector<Vector<dim>>& velocity,
   const bool corrected = !state_.gradient_correction.empty();
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
+    if (!where.empty() && !where[i]) {
+      result[i] = 0.0;
+      continue;
+    }
     const auto near = state_.support.of(i);
     const Vector<dim> u = state_.extended_velocity[i], x = points[i];
     if (corrected) {
@@ -474,6 +478,7 @@ void Simulation<dim>::solve_pressure() {
                                            : numerics_.pressure_tolerance;
   pressure_report_ = {};
   find_pressure(source_, {particles.pseudo_pressure.data(), n}, tolerance);
+  if (projections > 1) find_surroundings_of_bodies();
   for (int k = 1; k < projections; ++k) project_what_is_left(tolerance);
   for (double& psi : particles.pseudo_pressure) psi += shift;
   if (matrix_.singular()) remove_mean({particles.pseudo_pressure.data(), n});
@@ -499,17 +504,12 @@ void Simulation<dim>::find_pressure(std::span<const double> source,
 template <int dim>
 void Simulation<dim>::project_what_is_left(double tolerance) {
   auto& particles = state_.particles;
-  accelerate_by_pressure();
+  accelerate_by_pressure(reached_);
   // Velocities that are prescribed do not change.
   acceleration_.resize(particles.size(), Vector<dim>::Zero());
-  divergence(acceleration_, left_);
-  for (std::size_t i = 0; i < left_.size(); ++i) {
-    const auto near = state_.support.lower(i).index;
-    const bool beside = i < particles.solids || std::any_of(near.begin(), near.end(), [&](auto j) {
-                          return static_cast<std::size_t>(j) < particles.solids;
-                        });
-    left_[i] = beside ? left_[i] + source_[i] - matrix_.boundary_source()[i] : 0.0;
-  }
+  divergence(acceleration_, left_, beside_);
+  for (std::size_t i = 0; i < left_.size(); ++i)
+    if (beside_[i]) left_[i] += source_[i] - matrix_.boundary_source()[i];
   if (matrix_.singular()) remove_mean(left_);
   pressure_change_.assign(left_.size(), 0.0);
   find_pressure(left_, pressure_change_, tolerance);
@@ -517,15 +517,41 @@ void Simulation<dim>::project_what_is_left(double tolerance) {
     particles.pseudo_pressure[i] += pressure_change_[i];
 }
 
-/// acceleration_ becomes the gradient of psi.
+/// beside_: solid particles and those with a solid neighbour. reached_: these and their neighbours,
+/// whose velocities the divergence there asks for.
 template <int dim>
-void Simulation<dim>::accelerate_by_pressure() {
+void Simulation<dim>::find_surroundings_of_bodies() {
+  const auto& particles = state_.particles;
+  beside_.assign(particles.unknowns, 0);
+  for (std::size_t i = 0; i < particles.unknowns; ++i) {
+    const auto near = state_.support.lower(i).index;
+    beside_[i] = i < particles.solids || std::any_of(near.begin(), near.end(), [&](auto j) {
+                   return static_cast<std::size_t>(j) < particles.solids;
+                 });
+  }
+  reached_ = beside_;
+  for (std::size_t i = 0; i < particles.unknowns; ++i)
+    if (beside_[i])
+      for (const std::int32_t j : state_.support.of(i).index)
+        if (const auto s = static_cast<std::size_t>(state_.images.source(j));
+            s < particles.unknowns)
+          reached_[s] = 1;
+}
+
+/// acceleration_ becomes the gradient of psi; `where`: at these particles only, 0 elsewhere; empty:
+/// at all.
+template <int dim>
+void Simulation<dim>::accelerate_by_pressure(std::span<const char> where) {
   const auto& particles = state_.particles;
   const auto& points = state_.images.points();
   const std::size_t n = particles.unknowns;
   acceleration_.resize(n);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
+    if (!where.empty() && !where[i]) {
+      acceleration_[i].setZero();
+      continue;
+    }
     Vector<dim> sum = Vector<dim>::Zero();
     // In vacuum sum V (psi_i + psi_j) grad W, the negative adjoint of Eq. 3's divergence: forces
     // between two particles are opposite, and a section at a free surface carries the whole

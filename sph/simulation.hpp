@@ -114,7 +114,8 @@ class Simulation {
   void restore(const Archive& archive);
 
  private:
-  void divergence(const std::vector<Vector<dim>>& velocity, std::vector<double>& result);
+  void divergence(const std::vector<Vector<dim>>& velocity, std::vector<double>& result,
+                  std::span<const char> where = {});
   void divergence_to_remove();
   void build_support();
   void search();
@@ -127,7 +128,8 @@ class Simulation {
   void find_pressure(std::span<const double> source, std::span<double> pseudo_pressure,
                      double tolerance);
   void project_what_is_left(double tolerance);
-  void accelerate_by_pressure();
+  void find_surroundings_of_bodies();
+  void accelerate_by_pressure(std::span<const char> where = {});
 
   Numerics numerics_;
   State<dim> state_;
@@ -155,6 +157,7 @@ class Simulation {
   std::vector<Vector<dim>> acceleration_;
   std::vector<Vector<dim>> displacement_;
   std::vector<double> source_, left_, pressure_change_;
+  std::vector<char> beside_, reached_;  ///< see find_surroundings_of_bodies
   std::vector<Vector<dim>> extended_before_;
   std::vector<double> point_volume_, lacking_;
 };
