@@ -37,10 +37,14 @@ def front(rows: list[dict], cost: str) -> list[tuple[float, float]]:
     return best
 
 
+def by_curve(rows: list[dict]) -> dict:
+    """The rows of every curve, in the order of the table."""
+    return {curve: [row for row in rows if row["curve"] == curve] for curve in dict.fromkeys(row["curve"] for row in rows)}
+
+
 def draw_panel(panel, rows: list[dict], about: dict, cost: str, bars: bool) -> None:
     low = lowest(rows, about)
-    for number, curve in enumerate(dict.fromkeys(row["curve"] for row in rows)):
-        own = [row for row in rows if row["curve"] == curve]
+    for number, (curve, own) in enumerate(by_curve(rows).items()):
         x, y = [float(row[cost]) for row in own], [max(float(row["error"]), 1.2 * low) for row in own]
         colour = COLOURS[own[0]["solver"]] if curve in ("spacing", "reference") else style.FURTHER[number % len(style.FURTHER)]
         reach = None
@@ -91,8 +95,8 @@ def draw_floors(panel, rows: list[dict], about: dict) -> None:
 
 
 def draw_own(panel, rows: list[dict], about: dict) -> None:
-    for number, curve in enumerate(dict.fromkeys(row["curve"] for row in rows)):
-        own = [row for row in rows if row["curve"] == curve and row.get("error_own")]
+    for number, own in enumerate(by_curve(rows).values()):
+        own = [row for row in own if row.get("error_own")]
         if own:
             panel.plot([float(row["processor_seconds"]) for row in own], [float(row["error_own"]) for row in own],
                        color=style.FURTHER[number % len(style.FURTHER)], marker=MARKS[number % len(MARKS)], markersize=4,
@@ -103,8 +107,7 @@ def draw_own(panel, rows: list[dict], about: dict) -> None:
 
 def draw(rows: list[dict], about: dict, file: Path) -> None:
     low = lowest(rows, about)
-    by_curve = {curve: [row for row in rows if row["curve"] == curve] for curve in dict.fromkeys(r["curve"] for r in rows)}
-    lines = sum(1 + label(curve, own, about, low).count("\n") for curve, own in by_curve.items())
+    lines = sum(1 + label(curve, own, about, low).count("\n") for curve, own in by_curve(rows).items())
     panels = ["time", "memory"] + (["own"] if any(row.get("error_own") for row in rows) else [])
     figure, axes = plt.subplot_mosaic([panels, ["legend"] * len(panels)], layout="constrained",
                                       figsize=(0.625 * len(panels) * style.WIDTH, 4.8 + 0.2 * lines),

@@ -594,8 +594,7 @@ void Simulation<dim>::correct_velocity() {
   for (std::size_t i = n; i < particles.size(); ++i)
     std::swap(particles.velocity[i], particles.predicted_velocity[i]);
   for (const auto& side : inflow_)
-    side.prescribe(particles.role, particles.position, particles.velocity,
-                   state_.clock.time + dt);
+    side.prescribe(particles.role, particles.position, particles.velocity, state_.clock.time + dt);
   for (auto* constraint : effects_.constraints)
     constraint->constrain(state_, particles.predicted_velocity);
 }

@@ -107,6 +107,7 @@ std::vector<Vector<dim>> averages_near_plane(const Particles<dim>& particles,
                                              const OpenPlane<dim>& plane, double reach,
                                              const std::vector<Vector<dim>>& places,
                                              const Kernel<dim>& kernel, Value&& value) {
+  if (places.empty()) return {};
   std::vector<Vector<dim>> points;
   std::vector<std::int32_t> source;
   for (std::size_t i = 0; i < particles.unknowns; ++i)
@@ -236,9 +237,8 @@ void PressureColumns<dim>::copy_velocity(Particles<dim>& particles,
   const Mirrored<dim> columns(particles, Role::outflow, plane_,
                               [&](const Vector<dim>& x) { return owns(x); });
   const double reach = depth() + spacing_ + kernel.support_radius();
-  const auto velocity =
-      averages_near_plane(particles, plane_, reach, columns.place, kernel,
-                          [&](std::int32_t i) { return particles.velocity[i]; });
+  const auto velocity = averages_near_plane(particles, plane_, reach, columns.place, kernel,
+                                            [&](std::int32_t i) { return particles.velocity[i]; });
   for (std::size_t k = 0; k < velocity.size(); ++k)
     particles.velocity[columns.particle[k]] = velocity[k];
 }

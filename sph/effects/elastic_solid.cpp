@@ -328,8 +328,8 @@ void ElasticSolid<dim>::constrain(State<dim>& state, const std::vector<Vector<di
   const double dt = state.clock.time_step;
   Eigen::VectorXd force(n * dim);
   for (std::size_t i = 0; i < n; ++i) {
-    load_[i] = (particles.velocity[i] - old_velocity[i]) / dt - spring_acceleration_[i] +
-               withheld_[i];
+    load_[i] =
+        (particles.velocity[i] - old_velocity[i]) / dt - spring_acceleration_[i] + withheld_[i];
     force.template segment<dim>(i * dim) = mass_ * load_[i];
   }
   const Eigen::VectorXd a = factor_.solve(force);

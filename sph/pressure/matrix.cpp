@@ -75,31 +75,33 @@ void PressureMatrix::assemble(const Particles<dim>& particles, const Images<dim>
   singular_ = !pinned;
 }
 
-/// Entries folded into row i: columns before its block, lower, upper, and after its block.
+/// The entries folded into row i.
 void PressureMatrix::sort_into_parts(std::size_t i, std::int32_t entries) {
-  Folded& row = folded_[i];
-  row.end = row.begin + entries;
+  const std::int32_t begin = folded_[i].begin, end = begin + entries;
   const auto self = static_cast<std::int32_t>(i);
   const auto block_first = static_cast<std::int32_t>(i - i % support_block);
-  std::int32_t place = row.begin;
+  std::int32_t place = begin;
   // A row has few of them: what lies below a limit is moved to the front, one limit after another.
   const auto gather_below = [&](std::int32_t limit) {
-    for (std::int32_t k = place; k < row.end; ++k)
+    for (std::int32_t k = place; k < end; ++k)
       if (folded_column_[k] < limit) {
         std::swap(folded_column_[k], folded_column_[place]);
         std::swap(folded_value_[k], folded_value_[place++]);
       }
-    return place;
+    return place - begin;
   };
+  SupportEnds& row = folded_[i].ends;
   row.before_block = gather_below(block_first);
   row.lower = gather_below(self);
   row.in_block = gather_below(block_first + static_cast<std::int32_t>(support_block));
+  row.inner = row.all = entries;
 }
 
 void PressureMatrix::multiply(std::span<const double> x, std::span<double> y) const {
   const std::size_t n = rows();
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < n; ++i) y[i] = diagonal_[i] * x[i] - sum(i, x.data());
+  for (std::size_t i = 0; i < n; ++i)
+    y[i] = diagonal_[i] * x[i] - sum<Order::ascending, Bound::begin, Bound::end>(i, x.data());
 }
 
 template void PressureMatrix::assemble<2>(const Particles<2>&, const Images<2>&, const Support<2>&,

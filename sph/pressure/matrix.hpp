@@ -38,17 +38,17 @@ class PressureMatrix {
   template <typename Visit>
   void for_each(std::size_t i, Visit&& visit) const {
     visit_pairs(i, 0, ends_[i].inner, visit);
-    visit_folded(folded_[i].begin, folded_[i].end, visit);
+    visit_folded(i, 0, folded_[i].ends.inner, visit);
   }
   template <typename Visit>
   void for_each_lower(std::size_t i, Visit&& visit) const {
     visit_pairs(i, 0, ends_[i].lower, visit);
-    visit_folded(folded_[i].begin, folded_[i].lower, visit);
+    visit_folded(i, 0, folded_[i].ends.lower, visit);
   }
   template <typename Visit>
   void for_each_upper(std::size_t i, Visit&& visit) const {
     visit_pairs(i, ends_[i].lower, ends_[i].inner, visit);
-    visit_folded(folded_[i].lower, folded_[i].end, visit);
+    visit_folded(i, folded_[i].ends.lower, folded_[i].ends.inner, visit);
   }
 
   /// Asks memory for the pairs above row i: worth it where rows are taken in no order of memory.
@@ -60,52 +60,39 @@ class PressureMatrix {
       __builtin_prefetch(factor_ + first_[i] + k);
   }
 
-  /// The sum of a_ij x_j over row i.
-  double sum(std::size_t i, const double* x) const {
-    return pair_sum<Order::ascending>(i, 0, ends_[i].inner, x) +
-           folded_sum(folded_[i].begin, folded_[i].end, x);
-  }
-  /// Its parts: columns in the support's blocks of owners before i's own, in it below and above i,
-  /// and in those after it. A sweep that takes the rows in descending order reads the pairs of each
-  /// in descending order too: memory is then read ahead; mixed orders took three times as long.
+  /// The sum of a_ij x_j over the columns of row i from one bound to the other: the begin, the end
+  /// of the support's blocks of owners before i's own, i itself, the end of its block, the end. A
+  /// sweep that takes the rows in descending order reads the pairs of each in descending order too:
+  /// memory is then read ahead; mixed orders took three times as long.
+  enum class Bound { begin, before_block, self, in_block, end };
   enum class Order { ascending, descending };
-  template <Order order>
-  double before_block(std::size_t i, const double* x) const {
-    return pair_sum<order>(i, 0, ends_[i].before_block, x) +
-           folded_sum(folded_[i].begin, folded_[i].before_block, x);
-  }
-  template <Order order>
-  double lower_in_block(std::size_t i, const double* x) const {
-    return pair_sum<order>(i, ends_[i].before_block, ends_[i].lower, x) +
-           folded_sum(folded_[i].before_block, folded_[i].lower, x);
-  }
-  /// All columns below i, all above it.
-  template <Order order>
-  double lower(std::size_t i, const double* x) const {
-    return pair_sum<order>(i, 0, ends_[i].lower, x) +
-           folded_sum(folded_[i].begin, folded_[i].lower, x);
-  }
-  template <Order order>
-  double upper(std::size_t i, const double* x) const {
-    return pair_sum<order>(i, ends_[i].lower, ends_[i].inner, x) +
-           folded_sum(folded_[i].lower, folded_[i].end, x);
-  }
-  template <Order order>
-  double upper_in_block(std::size_t i, const double* x) const {
-    return pair_sum<order>(i, ends_[i].lower, ends_[i].in_block, x) +
-           folded_sum(folded_[i].lower, folded_[i].in_block, x);
-  }
-  template <Order order>
-  double after_block(std::size_t i, const double* x) const {
-    return pair_sum<order>(i, ends_[i].in_block, ends_[i].inner, x) +
-           folded_sum(folded_[i].in_block, folded_[i].end, x);
+  template <Order order, Bound from, Bound to>
+  double sum(std::size_t i, const double* x) const {
+    return pair_sum<order>(i, place(ends_[i], from), place(ends_[i], to), x) +
+           folded_sum(i, place(folded_[i].ends, from), place(folded_[i].ends, to), x);
   }
 
  private:
-  /// Where the entries folded into row i stand, in the same four parts.
+  /// Where the entries folded into row i stand, and where their parts end, as those of the pairs.
   struct Folded {
-    std::int32_t begin = 0, before_block = 0, lower = 0, in_block = 0, end = 0;
+    std::int32_t begin = 0;
+    SupportEnds ends{};
   };
+  static std::int32_t place(const SupportEnds& ends, Bound bound) {
+    switch (bound) {
+      case Bound::begin:
+        return 0;
+      case Bound::before_block:
+        return ends.before_block;
+      case Bound::self:
+        return ends.lower;
+      case Bound::in_block:
+        return ends.in_block;
+      case Bound::end:
+        break;
+    }
+    return ends.inner;
+  }
   template <typename Visit>
   void visit_pairs(std::size_t i, std::int32_t begin, std::int32_t end, Visit&& visit) const {
     const std::int32_t* const column = column_ + first_[i];
@@ -113,8 +100,10 @@ class PressureMatrix {
     for (std::int32_t k = begin; k < end; ++k) visit(column[k], scale_ * factor[k]);
   }
   template <typename Visit>
-  void visit_folded(std::int32_t begin, std::int32_t end, Visit&& visit) const {
-    for (std::int32_t k = begin; k < end; ++k) visit(folded_column_[k], folded_value_[k]);
+  void visit_folded(std::size_t i, std::int32_t begin, std::int32_t end, Visit&& visit) const {
+    const std::int32_t first = folded_[i].begin;
+    for (std::int32_t k = first + begin; k < first + end; ++k)
+      visit(folded_column_[k], folded_value_[k]);
   }
   /// Four sums side by side: in one, each addition would wait for the one before.
   template <Order order>
@@ -140,9 +129,9 @@ class PressureMatrix {
     for (; left > 0; --left, ++factor) part[0] += *factor;
     return (part[0] + part[1]) + (part[2] + part[3]);
   }
-  double folded_sum(std::int32_t begin, std::int32_t end, const double* x) const {
+  double folded_sum(std::size_t i, std::int32_t begin, std::int32_t end, const double* x) const {
     double sum = 0.0;
-    for (std::int32_t k = begin; k < end; ++k) sum += folded_value_[k] * x[folded_column_[k]];
+    visit_folded(i, begin, end, [&](std::int32_t j, double a) { sum += a * x[j]; });
     return sum;
   }
   void sort_into_parts(std::size_t i, std::int32_t entries);

@@ -41,6 +41,7 @@ class TwoLevel final : public Preconditioner {
   }
 
  private:
+  using Bound = PressureMatrix::Bound;
   /// Calls sweep(begin, end) for every block.
   template <typename Sweep>
   static void for_each_block(std::size_t n, Sweep&& sweep) {
@@ -57,11 +58,13 @@ class TwoLevel final : public Preconditioner {
     constexpr auto order = PressureMatrix::Order::ascending;
     for_each_block(matrix.rows(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        z[i] = (r[i] + matrix.lower_in_block<order>(i, z.data())) * inverse_diagonal_[i];
+        z[i] = (r[i] + matrix.sum<order, Bound::before_block, Bound::self>(i, z.data())) *
+               inverse_diagonal_[i];
     });
     for_each_block(matrix.rows(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        w_[i] = matrix.before_block<order>(i, z.data()) + matrix.upper<order>(i, z.data());
+        w_[i] = matrix.sum<order, Bound::begin, Bound::before_block>(i, z.data()) +
+                matrix.sum<order, Bound::self, Bound::end>(i, z.data());
     });
   }
 
@@ -72,9 +75,9 @@ class TwoLevel final : public Preconditioner {
     before_ = z;
     for_each_block(matrix.rows(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = end; i-- > begin;) {
-        double sum = r[i] + matrix.after_block<order>(i, before_.data());
-        sum += matrix.upper_in_block<order>(i, z.data());
-        sum += matrix.lower<order>(i, before_.data());
+        double sum = r[i] + matrix.sum<order, Bound::in_block, Bound::end>(i, before_.data());
+        sum += matrix.sum<order, Bound::self, Bound::in_block>(i, z.data());
+        sum += matrix.sum<order, Bound::begin, Bound::self>(i, before_.data());
         z[i] = sum * inverse_diagonal_[i];
       }
     });

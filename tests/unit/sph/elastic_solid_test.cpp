@@ -51,6 +51,20 @@ std::array<double, 4> four_steps(Oscillator& oscillator, double dt, bool implici
   return x;
 }
 
+/// Heights of the first three crests, each of the parabola through the three highest places.
+std::vector<double> three_crests(const Oscillator& oscillator, const auto& step) {
+  std::vector<double> crests;
+  std::array<double, 3> x{0.0, 0.0, oscillator.displacement()};
+  while (crests.size() < 3) {
+    step();
+    x = {x[1], x[2], oscillator.displacement()};
+    if (x[0] == 0.0 || x[1] <= x[0] || x[1] < x[2]) continue;
+    const double slope = 0.5 * (x[2] - x[0]), curvature = x[0] - 2.0 * x[1] + x[2];
+    crests.push_back(x[1] - 0.5 * slope * slope / curvature);
+  }
+  return crests;
+}
+
 // With z = w dt and s = u dt, one implicit step is s' = s - Z (x + a s), x' = x + s' with
 // Z = z^2/(1 + g z^2). Its matrix has trace 2 - (1 + a) Z and determinant 1 - a Z.
 TEST(ImplicitSprings, OneModeFollowsTheDerivedRecurrence) {
@@ -90,15 +104,9 @@ TEST(ImplicitSprings, EnergyLostInAPeriodGrowsWithTheStep) {
     Oscillator oscillator(SpringIntegration::implicit_force);
     const std::vector<Vector<2>> none(1, Vector<2>::Zero());
     oscillator.state.particles.position[0][0] += 0.01;
-    std::vector<double> crests;
-    std::array<double, 3> x{0.0, 0.0, oscillator.displacement()};
-    while (crests.size() < 3) {
+    const auto crests = three_crests(oscillator, [&] {
       test::step_solid(oscillator.solid, oscillator.state, z / oscillator.frequency, none, true);
-      x = {x[1], x[2], oscillator.displacement()};
-      if (x[0] == 0.0 || x[1] <= x[0] || x[1] < x[2]) continue;
-      const double slope = 0.5 * (x[2] - x[0]), curvature = x[0] - 2.0 * x[1] + x[2];
-      crests.push_back(x[1] - 0.5 * slope * slope / curvature);  // of the parabola through them
-    }
+    });
     const double filtered = z * z / (1.0 + g * z * z);
     const double determinant = 1.0 - a * filtered;
     const double theta = std::acos((1.0 - 0.5 * (1.0 + a) * filtered) / std::sqrt(determinant));
@@ -165,15 +173,7 @@ TEST(ImplicitSprings, AVibrationInAFluidIsDampedNoMoreThanOneWithout) {
     OscillatorInFluid oscillator(ratio);
     const double z = 0.3, dt = z / oscillator.frequency;
     oscillator.state.particles.position[0][0] += 0.01;
-    std::vector<double> crests;
-    std::array<double, 3> x{0.0, 0.0, oscillator.displacement()};
-    while (crests.size() < 3) {
-      oscillator.step(dt);
-      x = {x[1], x[2], oscillator.displacement()};
-      if (x[0] == 0.0 || x[1] <= x[0] || x[1] < x[2]) continue;
-      const double slope = 0.5 * (x[2] - x[0]), curvature = x[0] - 2.0 * x[1] + x[2];
-      crests.push_back(x[1] - 0.5 * slope * slope / curvature);
-    }
+    const auto crests = three_crests(oscillator, [&] { oscillator.step(dt); });
     const double damping = std::log(crests[1] / crests[2]) / (2.0 * std::numbers::pi);
     const double expected = 0.5 * a * z / std::sqrt(1.0 + ratio);
     EXPECT_NEAR(damping / expected, 1.0, z * z) << ratio;
