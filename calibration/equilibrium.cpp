@@ -14,9 +14,8 @@ template <int dim>
 class StaticSystem {
  public:
   StaticSystem(const sph::ElasticNetwork<dim>& network, const sph::Particles<dim>& particles)
-      : mass_(particles.mass()),
-        time_step_((network.reference.size() > network.movable ? 1e7 : 3e4) /
-                   sph::highest_frequency(network, mass_)),
+      : time_step_((network.reference.size() > network.movable ? 1e7 : 3e4) /
+                   sph::highest_frequency(network, particles.density)),
         state_{particles,
                sph::Images<dim>({}),
                {},
@@ -37,7 +36,7 @@ class StaticSystem {
     std::fill(velocity.begin(), velocity.end(), sph::Vector<dim>::Zero());
     solid_.add_acceleration(state_, acceleration_);
     for (std::size_t i = 0; i < n; ++i)
-      velocity[i] = time_step_ * (acceleration_[i] + load[i] / mass_);
+      velocity[i] = time_step_ * (acceleration_[i] + load[i] / solid_.mass(i));
     solid_.constrain(state_, at_rest_);
     // velocity = dt (M + g dt^2 K)^-1 (F + f), so dx = g dt velocity with the solver's g = 1/2.
     std::vector<sph::Vector<dim>> displacement(n);
@@ -46,7 +45,7 @@ class StaticSystem {
   }
 
  private:
-  double mass_, time_step_;
+  double time_step_;
   sph::State<dim> state_;
   sph::ElasticSolid<dim> solid_;
   std::vector<sph::Vector<dim>> at_rest_, acceleration_;

@@ -77,8 +77,9 @@ Vector<dim> Measurements<dim>::force_on(const BodyRange& body) const {
   const auto load = scene_.solid->load(state);
   Vector<dim> sum = Vector<dim>::Zero();
   // The balanced part of gravity is in no load: its share of the pressure is the buoyancy.
-  for (std::size_t i = body.first; i < body.last; ++i) sum += load[i] - state.balanced_acceleration;
-  return state.particles.mass() * sum;
+  for (std::size_t i = body.first; i < body.last; ++i)
+    sum += scene_.solid->mass(i) * (load[i] - state.balanced_acceleration);
+  return sum;
 }
 
 template <int dim>
@@ -112,8 +113,11 @@ void Measurements<dim>::ledgers() {
                         double(books.turned)};
   record_.append("ledger_mass", row);
   double kinetic[2] = {0.0, 0.0};
-  for (std::size_t i = 0; i < particles.unknowns; ++i)
-    kinetic[i < particles.solids] += 0.5 * particles.mass() * particles.velocity[i].squaredNorm();
+  for (std::size_t i = 0; i < particles.unknowns; ++i) {
+    const bool solid = i < particles.solids;
+    const double mass = solid ? scene_.solid->mass(i) : particles.mass();
+    kinetic[solid] += 0.5 * mass * particles.velocity[i].squaredNorm();
+  }
   const double elastic = scene_.solid ? scene_.solid->energy(particles) : 0.0;
   std::vector<double> energies{state.clock.time, kinetic[0], kinetic[1], elastic};
   if (scene_.solid && scene_.solid->meets_others())

@@ -59,6 +59,7 @@ ElasticNetwork<dim> network_at_rest(const Particles<dim>& particles) {
   network.reference.assign(particles.position.begin(),
                            particles.position.begin() + particles.solids);
   network.movable = particles.solids;
+  network.volume.assign(particles.solids, particles.volume);
   return network;
 }
 
@@ -254,6 +255,8 @@ void append_body(ElasticNetwork<dim>& network, const Particles<dim>& particles, 
                  const SpringStiffness& stiffness) {
   const Vector<dim> pitch = pitch_of<dim>(solid, particles.spacing, numerics.fitted_bodies);
   auto lattice = lay_out<dim>(particles, first, last, solid, pitch);
+  std::copy(lattice.cell_volume.begin() + first, lattice.cell_volume.begin() + last,
+            network.volume.begin() + first);
   add_ghosts<dim>(network, lattice, solid, pitch);
   const std::size_t first_bond = network.bonds.size();
   add_bonds(network, lattice, numerics.bonds, stiffness.k_e, particles.spacing);

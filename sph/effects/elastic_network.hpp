@@ -43,6 +43,7 @@ template <int dim>
 struct ElasticNetwork {
   std::vector<Vector<dim>> reference;  ///< positions at rest, solids then ghosts, m
   std::size_t movable = 0;             ///< number of solids
+  std::vector<double> volume;          ///< of each solid's cell at rest, m2 or m3
   std::vector<Bond> bonds;
   std::vector<VolumeCell<dim>> cells;
   /// Lattice cells between solid particles, with or without a spring: they measure the body's

@@ -74,8 +74,12 @@ Eigen::VectorXd stiffness_times(const ElasticNetwork<dim>& network, const Eigen:
 
 /// Lanczos' method with every vector kept orthogonal to all before it.
 template <int dim>
-double highest_frequency(const ElasticNetwork<dim>& network, double mass) {
+double highest_frequency(const ElasticNetwork<dim>& network, double density) {
   const auto size = static_cast<Eigen::Index>(network.movable * dim);
+  // Of M^-1/2 K M^-1/2.
+  Eigen::VectorXd by_root_of_mass(size);
+  for (Eigen::Index k = 0; k < size; ++k)
+    by_root_of_mass[k] = 1.0 / std::sqrt(density * network.volume[k / dim]);
   const Eigen::Index most = std::min<Eigen::Index>(60, size);
   Eigen::MatrixXd basis(size, most), projected = Eigen::MatrixXd::Zero(most, most);
   // A start that holds every mode: fixed, uneven numbers.
@@ -84,7 +88,8 @@ double highest_frequency(const ElasticNetwork<dim>& network, double mass) {
   Eigen::Index used = 0;
   for (Eigen::Index k = 0; k < most; ++k) {
     used = k + 1;
-    Eigen::VectorXd y = stiffness_times(network, basis.col(k));
+    Eigen::VectorXd y = by_root_of_mass.cwiseProduct(
+        stiffness_times<dim>(network, by_root_of_mass.cwiseProduct(basis.col(k))));
     const double scale = y.norm();
     for (int again = 0; again < 2; ++again)
       for (Eigen::Index l = 0; l <= k; ++l) {
@@ -98,18 +103,19 @@ double highest_frequency(const ElasticNetwork<dim>& network, double mass) {
   }
   const Eigen::MatrixXd square = projected.topLeftCorner(used, used);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (square + square.transpose()));
-  return std::sqrt(eigen.eigenvalues().maxCoeff() / mass);
+  return std::sqrt(eigen.eigenvalues().maxCoeff());
 }
 
 template <int dim>
 ElasticSolid<dim>::ElasticSolid(ElasticNetwork<dim> network, Particles<dim>& particles,
                                 SpringIntegration integration)
     : network_(std::move(network)),
-      mass_(particles.mass()),
+      density_(particles.density),
       integration_(integration),
-      highest_frequency_(highest_frequency(network_, mass_)),
+      highest_frequency_(highest_frequency(network_, particles.density)),
       spring_acceleration_(network_.movable, Vector<dim>::Zero()),
       load_(network_.movable, Vector<dim>::Zero()) {
+  for (const double volume : network_.volume) mass_.push_back(particles.density * volume);
   if (integration_ != SpringIntegration::implicit_force) return;
   withheld_.assign(particles.size(), Vector<dim>::Zero());
   particles.carried.push_back({"withheld_acceleration", &withheld_});
@@ -123,7 +129,8 @@ void ElasticSolid<dim>::add_acceleration(const State<dim>& state,
     for (std::size_t i = 0; i < network_.movable; ++i) acceleration[i] -= withheld_[i];
   } else {
     find_forces(solid_positions(network_, state.particles.position));
-    for (std::size_t i = 0; i < network_.movable; ++i) spring_acceleration_[i] = force_[i] / mass_;
+    for (std::size_t i = 0; i < network_.movable; ++i)
+      spring_acceleration_[i] = force_[i] / mass_[i];
   }
   for (std::size_t i = 0; i < network_.movable; ++i) acceleration[i] += spring_acceleration_[i];
 }
@@ -153,7 +160,7 @@ void ElasticSolid<dim>::add(std::unique_ptr<BondLaw> law) {
   ElasticNetwork<dim> steepest = network_;
   for (std::size_t k = 0; k < steepest.bonds.size(); ++k)
     for (const auto& each : laws_) steepest.bonds[k].stiffness += each->steepest(k);
-  highest_frequency_ = highest_frequency(steepest, mass_);
+  highest_frequency_ = highest_frequency(steepest, density_);
 }
 
 template <int dim>
@@ -286,7 +293,7 @@ void ElasticSolid<dim>::implicit_acceleration(const State<dim>& state) {
   assemble_tangent(position);
   const double dt = state.clock.time_step;
   system_ = implicit_weight * dt * dt * tangent_;
-  for (std::size_t i = 0; i < n * dim; ++i) system_.coeffRef(i, i) += mass_;
+  for (std::size_t i = 0; i < n * dim; ++i) system_.coeffRef(i, i) += mass_[i / dim];
   Eigen::VectorXd velocity(n * dim), right(n * dim);
   for (std::size_t i = 0; i < n; ++i) {
     velocity.template segment<dim>(i * dim) = particles.velocity[i];
@@ -330,7 +337,7 @@ void ElasticSolid<dim>::constrain(State<dim>& state, const std::vector<Vector<di
   for (std::size_t i = 0; i < n; ++i) {
     load_[i] =
         (particles.velocity[i] - old_velocity[i]) / dt - spring_acceleration_[i] + withheld_[i];
-    force.template segment<dim>(i * dim) = mass_ * load_[i];
+    force.template segment<dim>(i * dim) = mass_[i] * load_[i];
   }
   const Eigen::VectorXd a = factor_.solve(force);
   for (std::size_t i = 0; i < n; ++i) {

@@ -57,6 +57,9 @@ class ElasticSolid final : public Acceleration<dim>,
   void add(std::unique_ptr<Contact<dim>> contact) { contact_ = std::move(contact); }
 
   const ElasticNetwork<dim>& network() const { return network_; }
+  /// Of solid i, kg (kg/m in the plane): what its cell holds. A body with fitted places has cells
+  /// of another size than the fluid, and the pressure's gradient pushes the whole of them.
+  double mass(std::size_t i) const { return mass_[i]; }
   /// Acceleration that all but the springs gave in the last step, m/s2, one per solid.
   std::vector<Vector<dim>> load(const State<dim>& state) const;
   /// Stored in the bodies, J (J/m in the plane), contact's layer not among it.
@@ -77,7 +80,8 @@ class ElasticSolid final : public Acceleration<dim>,
   void add_contact(const State<dim>& state, Eigen::VectorXd& right);
 
   ElasticNetwork<dim> network_;
-  double mass_;
+  double density_;
+  std::vector<double> mass_;
   SpringIntegration integration_;
   double highest_frequency_;
   std::vector<Vector<dim>> force_;
@@ -101,8 +105,9 @@ class ElasticSolid final : public Acceleration<dim>,
   bool touching_ = false;                  ///< in the last step, by its system's pattern
 };
 
-/// Highest angular frequency (rad/s) of the network at rest with `mass` (kg) at each node.
+/// Highest angular frequency (rad/s) of the network at rest, each node with its cell's mass at
+/// `density` (kg/m3).
 template <int dim>
-double highest_frequency(const ElasticNetwork<dim>& network, double mass);
+double highest_frequency(const ElasticNetwork<dim>& network, double density);
 
 }  // namespace sprung::sph

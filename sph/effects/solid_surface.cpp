@@ -13,6 +13,7 @@ SolidSurface<dim>::SolidSurface(const std::vector<Body>& bodies, const Particles
     : depth_(particles.solids),
       reference_(particles.position.begin(), particles.position.begin() + particles.solids),
       near_at_rest_(particles.solids),
+      gradient_of_(particles.solids),
       rotation_(particles.solids) {
   for (const Body& body : bodies) {
     for (std::size_t i = body.first; i < body.last; ++i)
@@ -30,6 +31,17 @@ SolidSurface<dim>::SolidSurface(const std::vector<Body>& bodies, const Particles
     for (std::size_t i = body.first; i < body.last; ++i)
       for (const std::int32_t j : support.of(i - body.first).index)
         near_at_rest_[i].push_back(j + static_cast<std::int32_t>(body.first));
+  }
+  for (std::size_t i = 0; i < near_at_rest_.size(); ++i) {
+    Matrix second = Matrix::Zero();
+    for (const std::int32_t j : near_at_rest_[i]) {
+      const Vector<dim> r = reference_[j] - reference_[i];
+      second += r * r.transpose();
+    }
+    // A body of one row tells nothing across it: the pseudo-inverse asks nothing of it.
+    const Matrix inverse = second.completeOrthogonalDecomposition().pseudoInverse();
+    for (const std::int32_t j : near_at_rest_[i])
+      gradient_of_[i].push_back(inverse * (reference_[j] - reference_[i]));
   }
 }
 
@@ -65,6 +77,27 @@ double SolidSurface<dim>::depth_along(std::size_t solid, const Vector<dim>& rest
     depth = std::min(depth, depth_[solid].to_face[2 * d + (own_normal[d] > 0.0 ? 1 : 0)] / along);
   }
   return depth;
+}
+
+template <int dim>
+Vector<dim> SolidSurface<dim>::arm(std::size_t fluid, std::size_t solid) const {
+  const Vector<dim> normal = rotation_[solid].transpose() * normal_[fluid];
+  if (normal.isZero()) return normal;
+  return depth_along(solid, normal) * normal;
+}
+
+template <int dim>
+void SolidSurface<dim>::carry_out(const std::vector<Matrix>& moment,
+                                  std::vector<Vector<dim>>& force) const {
+  force.assign(moment.size(), Vector<dim>::Zero());
+  for (std::size_t s = 0; s < moment.size(); ++s) {
+    if (moment[s].isZero(0.0)) continue;
+    for (std::size_t k = 0; k < near_at_rest_[s].size(); ++k) {
+      const Vector<dim> moved = moment[s] * gradient_of_[s][k];
+      force[near_at_rest_[s][k]] += moved;
+      force[s] -= moved;
+    }
+  }
 }
 
 template <int dim>

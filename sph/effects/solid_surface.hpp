@@ -34,8 +34,27 @@ class SolidSurface {
     return std::clamp(from_solid.dot(normal_[fluid]) / distance_[fluid], 1.0, 5.0);
   }
 
+  /// (y + z) z / 2, m2, of a fluid particle y above the surface and a solid one z below: by this
+  /// times u_nn, a velocity's second derivative along the normal, a parabola lies beyond the
+  /// straight line of reach().
+  double bend(std::size_t fluid, const Vector<dim>& from_solid) const {
+    const double apart = from_solid.dot(normal_[fluid]);
+    return 0.5 * apart * std::max(apart - distance_[fluid], 0.0);
+  }
+
+  using Matrix = Eigen::Matrix<double, dim, dim>;
+
+  /// From a solid particle to the surface, along the normal at a fluid particle, turned to rest, m.
+  Vector<dim> arm(std::size_t fluid, std::size_t solid) const;
+
+  /// The fluid pulls at the surface, but its pairs pull at solid particles as deep as the kernel
+  /// reaches. `moment`: of each solid particle, the sum of force times arm. Finds what these forces
+  /// do more at the surface than at their particles, as forces on each particle and its neighbours
+  /// at rest, whose sum is zero: by virtual work, with a displacement that is linear there.
+  void carry_out(const std::vector<Matrix>& moment, std::vector<Vector<dim>>& force) const;
+
  private:
-  using Rotation = Eigen::Matrix<double, dim, dim>;
+  using Rotation = Matrix;
   /// Distances from a solid particle to the faces of its body at rest, along the body's own axes
   /// there.
   struct Depth {
@@ -48,6 +67,9 @@ class SolidSurface {
   std::vector<Depth> depth_;
   std::vector<Vector<dim>> reference_;
   std::vector<std::vector<std::int32_t>> near_at_rest_;
+  /// Of each of these neighbours: the gradient at rest is the sum of (u_t - u_s) gradient_of^T,
+  /// 1/m.
+  std::vector<std::vector<Vector<dim>>> gradient_of_;
   std::vector<Rotation> rotation_;
   std::vector<Vector<dim>> normal_;
   std::vector<double> distance_;

@@ -34,7 +34,11 @@ void ViscosityEffect<dim, Law>::add_acceleration(const State<dim>& state,
   // (x_i - x_j) . grad W / d^2 = F, so Eq. 2's D_i = -sum V 2 nu F (u_i - u_j); equal densities.
   const double scale = -2.0 * nu_ * particles.volume;
   const std::size_t n = particles.unknowns;
-  if (surface_) surface_->update(state);
+  if (surface_) {
+    surface_->update(state);
+    diffusion_before_ = previous_diffusion_;
+    moment_.resize(particles.solids);
+  }
   law_.update(state, extended);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < n; ++i) {
@@ -52,6 +56,13 @@ void ViscosityEffect<dim, Law>::add_acceleration(const State<dim>& state,
     if constexpr (requires { law_.beside(i); }) diffusion -= nu_ * law_.beside(i);
     acceleration[i] -= now * diffusion - before * previous_diffusion_[i];
     previous_diffusion_[i] = diffusion;
+    if (surface_ && i < particles.solids) moment_[i] = moment_of_traction(state, i, neighbours);
+  }
+  if (!surface_) return;
+  surface_->carry_out(moment_, carried_);
+  for (std::size_t i = 0; i < particles.solids; ++i) {
+    acceleration[i] -= now * scale * carried_[i];
+    previous_diffusion_[i] += scale * carried_[i];
   }
 }
 
@@ -80,24 +91,59 @@ Vector<dim> ViscosityEffect<dim, Law>::corrected_sum(
   return sum_of<dim>(both);
 }
 
+/// Calls use(solid, fluid, weight x difference of velocities, the same of the pair's own) for each
+/// pair of `i` across a body's surface. The first difference is that to the fluid's velocity
+/// carried on beyond the surface, a straight line through the body's and bent as the fluid's last
+/// Laplacian says (the walls' images do the same).
+template <int dim, class Law>
+template <class Use>
+void ViscosityEffect<dim, Law>::for_each_across_surface(
+    const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near,
+    const Use& use) const {
+  const auto& particles = state.particles;
+  const auto& points = state.images.points();
+  const bool solid = i < particles.solids;
+  for (std::size_t k = 0; k < near.index.size(); ++k) {
+    const auto j = static_cast<std::size_t>(near.index[k]);
+    if (j >= particles.unknowns || (j < particles.solids) == solid) continue;
+    const std::size_t f = solid ? j : i, s = solid ? i : j;
+    const Vector<dim> r = points[f] - points[s];
+    const Vector<dim> own = state.extended_velocity[i] - state.extended_velocity[j];
+    Vector<dim> across = surface_->reach(f, r) * own;
+    if constexpr (requires { Law::diffusion_is_laplacian; })
+      across += (solid ? -1.0 : 1.0) / nu_ * surface_->bend(f, r) * diffusion_before_[f];
+    double weight = law_.of_pair(state, i, near.index[k]) * near.gradient_factor[k];
+    if (!state.laplacian_correction.empty())
+      weight *= 0.5 *
+                (state.laplacian_correction[i].form(r) + state.laplacian_correction[j].form(r)) /
+                r.squaredNorm();
+    use(s, f, Vector<dim>(weight * across), Vector<dim>(weight * own));
+  }
+}
+
 /// What the pairs across a body's surface lack when the solid particle's own velocity is taken at
 /// its place.
 template <int dim, class Law>
 Vector<dim> ViscosityEffect<dim, Law>::beyond_surface(
     const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
-  const auto& particles = state.particles;
-  const auto& points = state.images.points();
-  const bool solid = i < particles.solids;
   Vector<dim> sum = Vector<dim>::Zero();
-  for (std::size_t k = 0; k < near.index.size(); ++k) {
-    const auto j = static_cast<std::size_t>(near.index[k]);
-    if (j >= particles.unknowns || (j < particles.solids) == solid) continue;
-    const std::size_t f = solid ? j : i, s = solid ? i : j;
-    const double more = surface_->reach(f, points[f] - points[s]) - 1.0;
-    sum += law_.of_pair(state, i, near.index[k]) * more * near.gradient_factor[k] *
-           (state.extended_velocity[i] - state.extended_velocity[j]);
-  }
+  for_each_across_surface(state, i, near,
+                          [&](std::size_t, std::size_t, const Vector<dim>& across,
+                              const Vector<dim>& own) { sum += across - own; });
   return sum;
+}
+
+/// Of the fluid's pull at solid particle i: force times the arm from the particle to the surface.
+template <int dim, class Law>
+Eigen::Matrix<double, dim, dim> ViscosityEffect<dim, Law>::moment_of_traction(
+    const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
+  Eigen::Matrix<double, dim, dim> moment = Eigen::Matrix<double, dim, dim>::Zero();
+  for_each_across_surface(
+      state, i, near,
+      [&](std::size_t s, std::size_t f, const Vector<dim>& across, const Vector<dim>&) {
+        moment += across * surface_->arm(f, s).transpose();
+      });
+  return moment;
 }
 
 /// What the pairs across bodies' surfaces add to the fastest decay (1/s), at most: the largest sum

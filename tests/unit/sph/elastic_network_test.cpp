@@ -191,8 +191,8 @@ TEST(ElasticNetwork, SurfaceCorrectionBendsAPlateAsTheContinuum) {
   }
 }
 
-/// Energy of 4 x 4 cells in the middle of a plate in space of `layers` under `displacement` (x, y in
-/// the plate, z from its middle): the second difference of plates leaves sides and corners out.
+/// Energy of 4 x 4 cells in the middle of a plate in space of `layers` under `displacement` (x, y
+/// in the plate, z from its middle): the second difference of plates leaves sides and corners out.
 template <typename Displacement>
 double energy_of_sixteen_columns(int layers, Displacement displacement) {
   const Numerics numerics = test::preset("recommended");
@@ -211,7 +211,8 @@ double energy_of_sixteen_columns(int layers, Displacement displacement) {
   return energy;
 }
 
-// Isochoric fields of a plate with free faces, z across; G = k_e, energy G strain:strain per volume.
+// Isochoric fields of a plate with free faces, z across; G = k_e, energy G strain:strain per
+// volume.
 TEST(ElasticNetwork, SurfaceCorrectionInSpaceStretchesBendsAndTwistsAPlateAsTheContinuum) {
   const double c = 1e-6;  // strains of 1e-6 leave terms of relative size 1e-6
   for (const int layers : {2, 3, 5}) {
@@ -225,12 +226,10 @@ TEST(ElasticNetwork, SurfaceCorrectionInSpaceStretchesBendsAndTwistsAPlateAsTheC
     expect("stretched", 1.5 * c * c * h, [&](const Vector<3>& x) -> Vector<3> {
       return c * Vector<3>(x[0], -0.5 * x[1], -0.5 * x[2]);
     });
-    expect("sheared in its plane", 2.0 * c * c * h, [&](const Vector<3>& x) -> Vector<3> {
-      return c * Vector<3>(x[1], x[0], 0.0);
-    });
-    expect("sheared across", 2.0 * c * c * h, [&](const Vector<3>& x) -> Vector<3> {
-      return c * Vector<3>(x[2], 0.0, x[0]);
-    });
+    expect("sheared in its plane", 2.0 * c * c * h,
+           [&](const Vector<3>& x) -> Vector<3> { return c * Vector<3>(x[1], x[0], 0.0); });
+    expect("sheared across", 2.0 * c * c * h,
+           [&](const Vector<3>& x) -> Vector<3> { return c * Vector<3>(x[2], 0.0, x[0]); });
     const double k = c / dx, third = h * h * h / 12.0;
     // cylinder: strain k z diag(-1, 0, 1)
     expect("bent to a cylinder", 2.0 * k * k * third, [&](const Vector<3>& x) -> Vector<3> {
@@ -243,8 +242,8 @@ TEST(ElasticNetwork, SurfaceCorrectionInSpaceStretchesBendsAndTwistsAPlateAsTheC
     });
     // dome: strain k z diag(-1, -1, 2)
     expect("bent to a dome", 6.0 * k * k * third, [&](const Vector<3>& x) -> Vector<3> {
-      return k * Vector<3>(-x[0] * x[2], -x[1] * x[2],
-                           0.5 * (x[0] * x[0] + x[1] * x[1]) + x[2] * x[2]);
+      return k *
+             Vector<3>(-x[0] * x[2], -x[1] * x[2], 0.5 * (x[0] * x[0] + x[1] * x[1]) + x[2] * x[2]);
     });
     // twist: strain_xy = -k z
     expect("twisted", 2.0 * k * k * third, [&](const Vector<3>& x) -> Vector<3> {
@@ -406,7 +405,7 @@ double unit(const Particles<3>& p) {
 TEST(HighestFrequency, OfTheLatticesInThePlane) {
   const auto particles = block<2>({30, 30});
   const auto printed = test::network_of<2>(particles, {30, 30}, bonds_only(Bonds::equal), k_e);
-  const double omega = highest_frequency(printed, particles.mass()) / unit(particles);
+  const double omega = highest_frequency(printed, particles.density) / unit(particles);
   EXPECT_LT(omega, std::sqrt(8.0) * (1.0 + 1e-12));
   EXPECT_GT(omega, 0.99 * std::sqrt(8.0));
   EXPECT_NEAR(2.0 / omega, 0.7071, 0.01);
@@ -414,7 +413,7 @@ TEST(HighestFrequency, OfTheLatticesInThePlane) {
   Numerics numerics = bonds_only(Bonds::isotropic);
   numerics.area_stiffness = 30.0;
   const auto cells = test::network_of<2>(particles, {30, 30}, numerics, k_e);
-  const double with_cells = highest_frequency(cells, particles.mass()) / unit(particles);
+  const double with_cells = highest_frequency(cells, particles.density) / unit(particles);
   const double expected = std::sqrt(4.0 * (3.0 + 30.0) / 2.0);
   EXPECT_LT(with_cells, expected * (1.0 + 1e-12));
   EXPECT_GT(with_cells, 0.985 * expected);
@@ -425,7 +424,7 @@ TEST(HighestFrequency, OfTheLatticesInSpace) {
   for (const auto& [bonds, expected] :
        {std::pair{Bonds::equal, std::sqrt(52.0 / 3.0)}, {Bonds::isotropic, std::sqrt(12.0)}}) {
     const auto network = test::network_of<3>(particles, {14, 14, 14}, bonds_only(bonds), k_e);
-    const double omega = highest_frequency(network, particles.mass()) / unit(particles);
+    const double omega = highest_frequency(network, particles.density) / unit(particles);
     EXPECT_LT(omega, expected * (1.0 + 1e-12));
     EXPECT_GT(omega, 0.98 * expected);
   }
@@ -452,7 +451,7 @@ TEST(HighestFrequency, IsTheEigenvalueOfASmallClampedBlock) {
   const Eigen::MatrixXd symmetric = 0.5 * (stiffness + stiffness.transpose());
   const double largest =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric).eigenvalues().maxCoeff();
-  EXPECT_NEAR(highest_frequency(network, particles.mass()) / std::sqrt(largest / particles.mass()),
+  EXPECT_NEAR(highest_frequency(network, particles.density) / std::sqrt(largest / particles.mass()),
               1.0, 1e-4);
 }
 

@@ -28,8 +28,8 @@ struct Oscillator {
   ElasticSolid<2> solid;
 
   explicit Oscillator(SpringIntegration integration)
-      : solid({{{1.0, 0.0}, {0.0, 0.0}}, 1, {{0, 1, 1.0, stiffness}}, {}, {}}, state.particles,
-              integration) {}
+      : solid({{{1.0, 0.0}, {0.0, 0.0}}, 1, {dx * dx}, {{0, 1, 1.0, stiffness}}, {}, {}},
+              state.particles, integration) {}
   double displacement() const { return state.particles.position[0][0] - 1.0; }
 };
 
@@ -230,7 +230,8 @@ Simulation<2> dumbbell(PositionUpdate update, double z) {
   numerics.shifting = Shifting::none;
   auto particles = test::particles_at<2>({{0.0, 0.0}, {3.0 * dx, 0.0}}, dx, Role::solid);
   const double dt = z / std::sqrt(2.0 * stiffness / particles.mass());
-  ElasticNetwork<2> network{particles.position, 2, {{0, 1, 3.0 * dx, stiffness}}, {}, {}};
+  ElasticNetwork<2> network = network_at_rest(particles);
+  network.bonds = {{0, 1, 3.0 * dx, stiffness}};
   Simulation<2> simulation(numerics, std::move(particles), Images<2>({}));
   simulation.effects().body_forces.push_back(std::make_unique<ElasticSolid<2>>(
       network, simulation.state().particles, SpringIntegration::explicit_force));
@@ -302,7 +303,7 @@ TEST(ExplicitSprings, ABlockIsStableBelowTwoOverItsHighestFrequency) {
     ElasticSolid<2> solid(
         test::network_of<2>(state.particles, count, test::preset("paper"), 3e4, Side::bottom),
         state.particles, SpringIntegration::explicit_force);
-    const double limit = 2.0 / highest_frequency(solid.network(), state.particles.mass());
+    const double limit = 2.0 / highest_frequency(solid.network(), state.particles.density);
     EXPECT_NEAR(stable_time_step(solid.fastest_mode(state)), limit, 1e-12 * limit);
     const double small = 1e-7 * dx;
     for (std::size_t i = 0; i < 30; ++i)
