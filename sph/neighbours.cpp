@@ -2,10 +2,13 @@
 
 #include "sph/counting_sort.hpp"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -74,6 +77,19 @@ double lattice_neighbours(double radius, double volume) {
   return unit_ball * std::pow(radius, dim) / volume;
 }
 
+/// Memory for `count` numbers, in the processor's large pages where Linux has them to give: the
+/// sweeps run through all lists, and with pages of 4 kB the solver waits for addresses a tenth of
+/// its time.
+template <typename Number>
+std::unique_ptr<Number[]> on_large_pages(std::size_t count) {
+  auto memory = std::make_unique_for_overwrite<Number[]>(count);
+  constexpr std::size_t page = std::size_t{1} << 21;
+  void* begin = memory.get();
+  std::size_t bytes = count * sizeof(Number);
+  if (std::align(page, page, begin, bytes)) madvise(begin, bytes / page * page, MADV_HUGEPAGE);
+  return memory;
+}
+
 }  // namespace
 
 template <int dim>
@@ -91,8 +107,8 @@ void Support<dim>::reserve(std::size_t owners) {
   const std::size_t pairs = (owners + chunk - 1) / chunk * chunk_capacity_;
   if (pairs <= capacity_) return;
   capacity_ = pairs + pairs / 16;
-  index_ = std::make_unique_for_overwrite<std::int32_t[]>(capacity_);
-  factor_ = std::make_unique_for_overwrite<double[]>(capacity_);
+  index_ = on_large_pages<std::int32_t>(capacity_);
+  factor_ = on_large_pages<double>(capacity_);
 }
 
 template <int dim>
@@ -165,16 +181,6 @@ struct Found {
       }
     }
   }
-  /// Factor and value of the kernel at those found: a loop of its own over copies, which the
-  /// compiler turns into vector instructions.
-  void evaluate(const Kernel<dim> kernel, double volume) {
-    const std::size_t n = count;
-    for (std::size_t k = 0; k < n; ++k) {
-      const double r = std::sqrt(distance2[k]);
-      factor[k] = kernel.gradient_factor(r);
-      value[k] = volume * kernel.value(r);
-    }
-  }
   /// Takes one point out of those found from `first` on, if it is there.
   void remove(std::int32_t point, std::size_t first) {
     for (std::size_t k = first; k < count; ++k)
@@ -187,53 +193,81 @@ struct Found {
   }
 };
 
+/// Factor and value of the kernel at those found. Half of its time are square roots, which take as
+/// long in wide registers as in narrow ones: it is compiled for each width (-ffp-contract=off keeps
+/// the bits the same).
+template <int dim>
+[[gnu::target_clones("default", "avx2", "avx512f")]] void evaluate(const Kernel<dim> kernel,
+                                                                   double volume,
+                                                                   Found<dim>& found) {
+  const std::size_t n = found.count;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double r = std::sqrt(found.distance2[k]);
+    found.factor[k] = kernel.gradient_factor(r);
+    found.value[k] = volume * kernel.value(r);
+  }
+}
+
 /// Cells of half the radius: five rows of five hold fewer points that are too far than three rows
 /// of three.
 constexpr int reach = 2;
 
 /// The rows of cells about a place that come closer to it than the radius, each cut to the cells
-/// that do: calls visit(first cell, last cell, whether it is the place's own row).
-template <int dim, typename Visit>
-void for_each_row(const CellGrid<dim>& grid, const Vector<dim>& x, double radius, Visit&& visit) {
-  constexpr int rows = 2 * reach + 1;
-  const auto c = grid.coordinates(x);
-  const double cell = 1.0 / grid.inverse_cell, radius2 = radius * radius;
-  // Squared distance of x from the slabs of cells along each axis; infinite where there are none.
-  std::array<std::array<double, rows>, dim> gap2;
-  for (int d = 1; d < dim; ++d)
-    for (int k = 0; k < rows; ++k) {
-      const int step = k - reach;
-      const double face = grid.origin[d] + cell * (c[d] + step + (step < 0 ? 1 : 0));
-      gap2[d][k] = step == 0 ? 0.0 : (x[d] - face) * (x[d] - face);
-      if (c[d] + step < 0 || c[d] + step >= grid.extent[d])
-        gap2[d][k] = std::numeric_limits<double>::infinity();
-    }
-  // Squared distance of x from each row, and half the row's chord in cells, in a loop without
-  // branches.
-  constexpr int all = dim == 2 ? rows : rows * rows;
-  std::array<double, all> off2, half;
-  for (int k = 0; k < all; ++k)
-    off2[k] = dim == 2 ? gap2[1][k] : gap2[1][k / rows] + gap2[dim - 1][k % rows];
-  for (int k = 0; k < all; ++k)
-    half[k] = std::sqrt(std::max(radius2 - off2[k], 0.0)) * grid.inverse_cell;
-  const double from_origin = (x[0] - grid.origin[0]) * grid.inverse_cell;
-  const double last_cell = grid.extent[0] - 1;
-  for (int k = 0; k < all; ++k) {
-    if (!(off2[k] < radius2)) continue;
-    std::array<int, dim> row = c;
-    // Rounded down by the conversion, which a clamped place allows.
-    row[0] = static_cast<int>(std::clamp(from_origin - half[k], 0.0, last_cell));
-    if constexpr (dim == 2) {
-      row[1] += k - reach;
-    } else {
-      row[1] += k / rows - reach;
-      row[2] += k % rows - reach;
-    }
-    const int first = grid.number(row);
-    const int count = static_cast<int>(std::clamp(from_origin + half[k], 0.0, last_cell)) - row[0];
-    visit(first, first + count, k == all / 2);
+/// that do.
+template <int dim>
+class RowsAbout {
+ public:
+  explicit RowsAbout(const CellGrid<dim>& grid) : grid_(grid) {
+    for (int k = 0; k < all; ++k)
+      step_[k] = grid.extent[0] *
+                 (dim == 2 ? k - reach : k / rows - reach + grid.extent[1] * (k % rows - reach));
   }
-}
+  /// Calls visit(first cell, last cell, whether it is the place's own row).
+  template <typename Visit>
+  void for_each(const Vector<dim>& x, Visit&& visit) const {
+    // In cells and in single precision from here on; the radius is taken a little too large, so
+    // that rounding loses no cell.
+    constexpr float radius2 = reach * reach * 1.0001f;
+    const auto c = grid_.coordinates(x);
+    std::array<float, dim> in_cell;
+    for (int d = 0; d < dim; ++d)
+      in_cell[d] = static_cast<float>((x[d] - grid_.origin[d]) * grid_.inverse_cell - c[d]);
+    // Squared distance of x from the slabs of cells along each axis; infinite where there are none.
+    std::array<std::array<float, rows>, dim> gap2;
+    for (int d = 1; d < dim; ++d)
+      for (int k = 0; k < rows; ++k) {
+        const int step = k - reach;
+        const float gap = step == 0 ? 0.0f : in_cell[d] - step - (step < 0 ? 1 : 0);
+        gap2[d][k] = gap * gap;
+        if (c[d] + step < 0 || c[d] + step >= grid_.extent[d])
+          gap2[d][k] = std::numeric_limits<float>::infinity();
+      }
+    // Squared distance of x from each row, and the cells that half the row's chord reaches on both
+    // sides, in loops without branches.
+    std::array<float, all> off2;
+    std::array<int, all> first, last;
+    for (int k = 0; k < all; ++k)
+      off2[k] = dim == 2 ? gap2[1][k] : gap2[1][k / rows] + gap2[dim - 1][k % rows];
+    const int own = grid_.number(c), to_first = -c[0], to_last = grid_.extent[0] - 1 - c[0];
+    for (int k = 0; k < all; ++k) {
+      const float half = std::sqrt(std::max(radius2 - off2[k], 0.0f));
+      // Rounded down by the conversion, of numbers that are not negative.
+      constexpr int up = reach + 1;
+      const int low = static_cast<int>(in_cell[0] - half + up) - up;
+      const int high = static_cast<int>(in_cell[0] + half);
+      first[k] = own + step_[k] + std::max(low, to_first);
+      last[k] = own + step_[k] + std::min(high, to_last);
+    }
+    for (int k = 0; k < all; ++k)
+      if (off2[k] < radius2) visit(first[k], last[k], k == all / 2);
+  }
+
+ private:
+  static constexpr int rows = 2 * reach + 1;
+  static constexpr int all = dim == 2 ? rows : rows * rows;
+  const CellGrid<dim>& grid_;
+  std::array<int, all> step_;  ///< from the own row to each, in numbers of cells
+};
 
 }  // namespace
 
@@ -295,16 +329,35 @@ template <int dim>
 void Support<dim>::collect(const Kernel<dim>& kernel, std::span<const Vector<dim>> centres,
                            std::span<const Vector<dim>> points, double volume,
                            std::span<const double> weights) {
+  const double radius = kernel.support_radius();
+  // A tenth more than on the lattice, on average over a chunk, is room for nearly all; half as many
+  // again is more than any sound distribution has.
+  const double on_lattice = lattice_neighbours<dim>(radius, volume);
+  const std::size_t usual = chunk * static_cast<std::size_t>(4.0 + 1.1 * on_lattice);
+  const std::size_t most = chunk * static_cast<std::size_t>(16.0 + 1.5 * on_lattice);
+  chunk_capacity_ = std::max(chunk_capacity_, usual);
+  sort_into_cells(points, radius / reach);
+  while (!fill(kernel, centres, points, volume, weights)) {
+    if (chunk_capacity_ >= most)
+      throw std::runtime_error(
+          "a particle has more than " + std::to_string(most_neighbours<dim>) +
+          " neighbours, or a region half as many again as it should: particles have clumped; use "
+          "shifting or a smaller time step");
+    chunk_capacity_ = most;
+  }
+}
+
+/// The lists of all centres, from the points in their cells; false where there is no room for them.
+template <int dim>
+bool Support<dim>::fill(const Kernel<dim>& kernel, std::span<const Vector<dim>> centres,
+                        std::span<const Vector<dim>> points, double volume,
+                        std::span<const double> weights) {
   const std::size_t all = centres.size();
   const auto owners = static_cast<std::int32_t>(centres.data() == points.data() ? all : 0);
   const double radius = kernel.support_radius();
-  // Half as many again as on the lattice, on average over a chunk, is more than any sound
-  // distribution has.
-  chunk_capacity_ =
-      chunk * static_cast<std::size_t>(16.0 + 1.5 * lattice_neighbours<dim>(radius, volume));
   reserve(all);
   const CellGrid<dim> grid(points, radius / reach);
-  sort_into_cells(points, radius / reach);
+  const RowsAbout<dim> rows_about(grid);
 
   const double radius2 = radius * radius;
   const double own_value = owners > 0 ? volume * kernel.value(0.0) : 0.0;
@@ -319,7 +372,7 @@ void Support<dim>::collect(const Kernel<dim>& kernel, std::span<const Vector<dim
     for (std::size_t i = chunk_number * chunk; i < end; ++i) {
       const std::int32_t self = owners > 0 ? static_cast<std::int32_t>(i) : -1;
       found.count = 0;
-      for_each_row(grid, centres[i], radius, [&](int first_cell, int last_cell, bool own_row) {
+      rows_about.for_each(centres[i], [&](int first_cell, int last_cell, bool own_row) {
         const std::size_t before = found.count;
         found.add_row(sorted_, sorted_index_.data(), cell_begin_[first_cell],
                       cell_begin_[last_cell + 1], centres[i], radius2);
@@ -329,7 +382,7 @@ void Support<dim>::collect(const Kernel<dim>& kernel, std::span<const Vector<dim
         found.overfull = true;
         found.count = 0;
       }
-      found.evaluate(kernel, volume);
+      evaluate(kernel, volume, found);
       const auto block_first = static_cast<std::int32_t>(i - i % support_block);
       const std::array<std::int32_t, 4> limit{
           std::min(block_first, owners), self,
@@ -342,11 +395,7 @@ void Support<dim>::collect(const Kernel<dim>& kernel, std::span<const Vector<dim
     }
     overfull = overfull || found.overfull;
   }
-  if (overfull)
-    throw std::runtime_error(
-        "a particle has more than " + std::to_string(most_neighbours<dim>) +
-        " neighbours, or a region half as many again as it should: particles have clumped; use "
-        "shifting or a smaller time step");
+  return !overfull;
 }
 
 template class Support<2>;

@@ -70,6 +70,8 @@ class Support {
   }
   void collect(const Kernel<dim>& kernel, std::span<const Vector<dim>> centres,
                std::span<const Vector<dim>> points, double volume, std::span<const double> weights);
+  bool fill(const Kernel<dim>& kernel, std::span<const Vector<dim>> centres,
+            std::span<const Vector<dim>> points, double volume, std::span<const double> weights);
   void reserve(std::size_t owners);
   void sort_into_cells(std::span<const Vector<dim>> points, double cell);
   std::vector<std::size_t> first_;
