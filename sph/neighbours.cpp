@@ -78,8 +78,7 @@ double lattice_neighbours(double radius, double volume) {
 }
 
 /// Memory for `count` numbers, in the processor's large pages where Linux has them to give: the
-/// sweeps run through all lists, and with pages of 4 kB the solver waits for addresses a tenth of
-/// its time.
+/// sweeps run through all lists, and with pages of 4 kB they wait for addresses too.
 template <typename Number>
 std::unique_ptr<Number[]> on_large_pages(std::size_t count) {
   auto memory = std::make_unique_for_overwrite<Number[]>(count);
@@ -193,9 +192,8 @@ struct Found {
   }
 };
 
-/// Factor and value of the kernel at those found. Half of its time are square roots, which take as
-/// long in wide registers as in narrow ones: it is compiled for each width (-ffp-contract=off keeps
-/// the bits the same).
+/// Factor and value of the kernel at those found. A square root takes as long in wide registers as
+/// in narrow ones, so it is compiled for each width (-ffp-contract=off keeps the bits the same).
 template <int dim>
 [[gnu::target_clones("default", "avx2", "avx512f")]] void evaluate(const Kernel<dim> kernel,
                                                                    double volume,

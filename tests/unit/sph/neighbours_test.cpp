@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace sprung::sph {
@@ -69,6 +70,12 @@ TEST(Support, DisorderedPlaneEqualsAllPairs) {
     const auto points = test::lattice<2>({23, 29}, 0.1, 0.45, seed);
     expect_all_pairs<2>(points, points.size(), 0.13, 0.01);
   }
+}
+
+TEST(Support, APlaneAThirdTooDenseEqualsAllPairs) {
+  // More pairs than a chunk has room for at first.
+  const auto points = test::lattice<2>({37, 33}, 0.1 / std::sqrt(1.33), 0.2, 5);
+  expect_all_pairs<2>(points, points.size(), 0.13, 0.01);
 }
 
 TEST(Support, UniformlyRandomPointsInThePlane) {
