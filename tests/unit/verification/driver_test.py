@@ -191,6 +191,24 @@ class HardMeasuresTest(unittest.TestCase):
             found = hard_measures.measure(self.record(spacing, count), figure)
             self.assertAlmostEqual(found.value, 1.0 / columns, delta=1e-12)
 
+    def test_a_flap_that_bends_sweeps_the_area_between_its_places(self):
+        # 10 x 40 mm, its particles 5 mm apart and in another order later; the tip moves 0.5 mm downstream, every place in
+        # proportion to its height, and all of it slides 3 mm along itself, which sweeps nothing: 0.5 mm x 40 mm / 2.
+        x, y = (each.ravel() for each in np.meshgrid(0.0125 + 0.005 * np.arange(2), 0.0025 + 0.005 * np.arange(8)))
+
+        def snapshot(order, dx, dy):
+            return types.SimpleNamespace(
+                positions=np.column_stack([x + dx, y + dy, 0 * x])[order],
+                fields={"role": np.full(16, hard_measures.SOLID), "identity": np.arange(16)[order]})
+
+        start, later = np.arange(16), np.random.default_rng(1).permutation(16)
+        scene = ('[sph]\nspacing = "5 mm"\n[solid.flap]\nbody = { from = ["10 mm", "0 mm"], to = ["20 mm", "40 mm"] }\n')
+        record = types.SimpleNamespace(manifest={"scene_toml": scene}, snapshot_times=lambda: [0.0],
+                                       snapshot=lambda time: snapshot(start, 0.0, 0.0))
+        swept = hard_measures.sweeper(record)
+        self.assertAlmostEqual(swept(snapshot(start, 0.0, 0.0)), 0.0, delta=1e-15)
+        self.assertAlmostEqual(swept(snapshot(later, 0.5e-3 * y / 0.04, 3e-3)), 1e-5, delta=1e-12)
+
     def test_what_starts_at_nothing_is_no_scale(self):
         figure = {"kind": "series", "series": "s", "column": "particles", "take": "range", "scale": "start"}
         with self.assertRaises(hard_measures.Missing):
