@@ -4,6 +4,7 @@ the finite elements' at the six times, every setting as in beam_in_channel/scene
 
     validation/beam_widths.py                        twelve beams, 80 s of processor time each
     validation/beam_widths.py --only 8,1.4 --seeds 4 one beam, and four more of it from a disordered start
+    validation/beam_widths.py --with numerics.void_feedback=0  every beam with another setting
     validation/beam_widths.py --keep                 also puts the rows into validation/beam_in_channel/records/widths.csv
 
 The beams are 3.75 mm per layer wide. The finite elements take steps of 2 ms: with the scene's 10 ms their own error at the
@@ -62,10 +63,10 @@ def tip(folder: Path) -> tuple[np.ndarray, np.ndarray]:
     return table[:, 0], table[:, 1]
 
 
-def row_of(layers: int, modulus: str, seed: int, particles: Path, reference: Path, manifest: dict) -> dict:
+def row_of(layers: int, modulus: str, seed: int, setting: str, particles: Path, reference: Path, manifest: dict) -> dict:
     time, found = tip(particles)
     true_time, true = tip(reference)
-    row = {"layers": layers, "youngs_modulus_mpa": modulus, "seed": seed}
+    row = {"layers": layers, "youngs_modulus_mpa": modulus, "seed": seed, "with": setting}
     for t in TIMES:
         reached = time[-1] > t - 1e-9
         row[f"difference_{t:g}s_percent"] = (
@@ -79,9 +80,9 @@ def row_of(layers: int, modulus: str, seed: int, particles: Path, reference: Pat
 
 
 def write(folder: Path, rows: list[dict], manifests: dict) -> None:
-    """Puts the rows into the folder's table in the place of those of the same beam and seed, and their manifests."""
+    """Puts the rows into the folder's table in the place of those of the same beam, seed and setting, and their manifests."""
     def key(row: dict) -> tuple:
-        return int(row["layers"]), float(row["youngs_modulus_mpa"]), int(row["seed"])
+        return row.get("with", ""), int(row["layers"]), float(row["youngs_modulus_mpa"]), int(row["seed"])
 
     table, book = folder / "widths.csv", folder / "widths.json"
     present = {}
@@ -91,7 +92,7 @@ def write(folder: Path, rows: list[dict], manifests: dict) -> None:
         manifests = json.loads(book.read_text())["runs"] | manifests
     present |= {key(row): row for row in rows}
     with table.open("w", newline="") as stream:
-        writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
+        writer = csv.DictWriter(stream, list(rows[0]), restval="", lineterminator="\n")
         writer.writeheader()
         writer.writerows(present[k] for k in sorted(present))
     book.write_text(json.dumps({"command": "validation/beam_widths.py --keep",
@@ -105,6 +106,8 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=ROOT / "results/beam_widths")
     parser.add_argument("--only", action="append", metavar="LAYERS,MPA", help="this beam only; may be repeated")
     parser.add_argument("--seeds", type=int, default=0, help="so many further runs of each beam, disordered")
+    parser.add_argument("--with", dest="settings", action="append", default=[], metavar="TABLE.KEY=VALUE",
+                        help="an override for every run of particles; may be repeated")
     parser.add_argument("--keep", action="store_true", help="write the table to the case's records too")
     options = parser.parse_args()
     beams = [(n, e) for n in LAYERS for e in MODULI if not options.only or f"{n},{e}" in options.only]
@@ -118,10 +121,10 @@ def main() -> int:
         manifests[f"{layers},{modulus},reference"] = run([options.reference, *scene, REFERENCE_STEP], truth)
         for seed in range(options.seeds + 1):
             start = [f"sph.seed={seed}", "sph.disorder=0.05"] if seed else []
-            record = folder / f"particles_{seed}"
-            manifest = run([options.program, "run", *scene, *start], record)
-            manifests[f"{layers},{modulus},{seed}"] = manifest
-            rows.append(row_of(layers, modulus, seed, record, truth, manifest))
+            record = folder / "_".join(["particles", str(seed), *options.settings])
+            manifest = run([options.program, "run", *scene, *start, *options.settings], record)
+            manifests[",".join([str(layers), modulus, str(seed), *options.settings])] = manifest
+            rows.append(row_of(layers, modulus, seed, " ".join(options.settings), record, truth, manifest))
             print(*rows[-1].values(), sep="  ", flush=True)
     kept = {name: {key: manifest.get(key) for key in MANIFEST_KEYS} for name, manifest in manifests.items()}
     for folder in [out] + ([CASE / "records"] if options.keep else []):
