@@ -95,7 +95,7 @@ def write(folder: Path, rows: list[dict], manifests: dict) -> None:
         writer = csv.DictWriter(stream, list(rows[0]), restval="", lineterminator="\n")
         writer.writeheader()
         writer.writerows(present[k] for k in sorted(present))
-    book.write_text(json.dumps({"command": "validation/beam_widths.py --keep",
+    book.write_text(json.dumps({"command": "validation/beam_widths.py --keep, --with as the row says",
                                 "runs": {name: manifests[name] for name in sorted(manifests)}}, indent=1) + "\n")
 
 
