@@ -81,7 +81,7 @@ class Plans(unittest.TestCase):
 
     def test_points_have_repeats_of_their_own(self):
         plan = plans.read(ROOT / "validation" / "beam_in_channel")
-        self.assertEqual([plan.point(f"spacing.{k}").repeats for k in range(5)], [3, 3, 3, 2, 1])
+        self.assertEqual([plan.point(f"spacing.{k}").repeats for k in range(6)], [3, 3, 3, 3, 2, 1])
         self.assertEqual({point.repeats for point in plans.read(plan.case, True).points}, {1})
 
 
