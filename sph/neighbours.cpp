@@ -229,7 +229,9 @@ class RowsAbout {
     const auto c = grid_.coordinates(x);
     std::array<float, dim> in_cell;
     for (int d = 0; d < dim; ++d)
-      in_cell[d] = static_cast<float>((x[d] - grid_.origin[d]) * grid_.inverse_cell - c[d]);
+      // A place far off the grid is as good as one that is just too far from every cell.
+      in_cell[d] = static_cast<float>(std::clamp(
+          (x[d] - grid_.origin[d]) * grid_.inverse_cell - c[d], -2.0 - reach, 3.0 + reach));
     // Squared distance of x from the slabs of cells along each axis; infinite where there are none.
     std::array<std::array<float, rows>, dim> gap2;
     for (int d = 1; d < dim; ++d)
@@ -250,11 +252,11 @@ class RowsAbout {
     for (int k = 0; k < all; ++k) {
       const float half = std::sqrt(std::max(radius2 - off2[k], 0.0f));
       // Rounded down by the conversion, of numbers that are not negative.
-      constexpr int up = reach + 1;
+      constexpr int up = 2 * reach + 2;
       const int low = static_cast<int>(in_cell[0] - half + up) - up;
-      const int high = static_cast<int>(in_cell[0] + half);
-      first[k] = own + step_[k] + std::max(low, to_first);
-      last[k] = own + step_[k] + std::min(high, to_last);
+      const int high = static_cast<int>(in_cell[0] + half + up) - up;
+      first[k] = own + step_[k] + std::clamp(low, to_first, to_last);
+      last[k] = own + step_[k] + std::clamp(high, to_first, to_last);
     }
     for (int k = 0; k < all; ++k)
       if (off2[k] < radius2) visit(first[k], last[k], k == all / 2);

@@ -203,7 +203,11 @@ TEST(Support, WeightsCountInFactorsAndPartition) {
 
 TEST(Support, AroundCentresThatAreNoParticles) {
   const auto points = test::lattice<2>({11, 8}, 0.1, 0.4, 6);
-  const auto centres = test::lattice<2>({5, 4}, 0.17, 0.4, 8);
+  auto centres = test::lattice<2>({5, 4}, 0.17, 0.4, 8);
+  // Beyond every cell, a little and far: a column that is thrown out asks about such places.
+  for (const double far : {0.3, 0.7, 5.0, 1e9, 1e200})
+    for (const double x : {-far, 1.1 + far})
+      for (const double y : {-far, 0.4, 0.8 + far}) centres.emplace_back(x, y);
   const Kernel<2> kernel(0.13);
   Support<2> support;
   support.build_around(kernel, centres, points, 0.01);
