@@ -226,12 +226,15 @@ class RowsAbout {
     // In cells and in single precision from here on; the radius is taken a little too large, so
     // that rounding loses no cell.
     constexpr float radius2 = reach * reach * 1.0001f;
-    const auto c = grid_.coordinates(x);
+    std::array<int, dim> c;
     std::array<float, dim> in_cell;
-    for (int d = 0; d < dim; ++d)
+    for (int d = 0; d < dim; ++d) {
       // A place far off the grid is as good as one that is just too far from every cell.
-      in_cell[d] = static_cast<float>(std::clamp(
-          (x[d] - grid_.origin[d]) * grid_.inverse_cell - c[d], -2.0 - reach, 3.0 + reach));
+      const double place = std::clamp((x[d] - grid_.origin[d]) * grid_.inverse_cell, -1.0 - reach,
+                                      grid_.extent[d] + 1.0 + reach);
+      c[d] = static_cast<int>(std::floor(place));
+      in_cell[d] = static_cast<float>(place - c[d]);
+    }
     // Squared distance of x from the slabs of cells along each axis; infinite where there are none.
     std::array<std::array<float, rows>, dim> gap2;
     for (int d = 1; d < dim; ++d)
@@ -252,9 +255,9 @@ class RowsAbout {
     for (int k = 0; k < all; ++k) {
       const float half = std::sqrt(std::max(radius2 - off2[k], 0.0f));
       // Rounded down by the conversion, of numbers that are not negative.
-      constexpr int up = 2 * reach + 2;
+      constexpr int up = reach + 1;
       const int low = static_cast<int>(in_cell[0] - half + up) - up;
-      const int high = static_cast<int>(in_cell[0] + half + up) - up;
+      const int high = static_cast<int>(in_cell[0] + half);
       first[k] = own + step_[k] + std::clamp(low, to_first, to_last);
       last[k] = own + step_[k] + std::clamp(high, to_first, to_last);
     }
