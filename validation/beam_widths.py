@@ -9,9 +9,9 @@ the finite elements' at the six times, every setting as in beam_in_channel/scene
 
 The beams are 3.75 mm per layer wide. The finite elements take steps of 2 ms: with the scene's 10 ms their own error at the
 starting vibrations of the thick beams is 1.4 %. Beside the six instants stand the mean of the difference over
-0.5 s < t < 3 s, which is the bias, and its standard deviation, which is mostly noise: the particles' load fluctuates and rings the beam. A
-disordered start (sph.disorder = 0.05, sph.seed) is another realisation of that noise. What the same program has
-answered already is not run again. Leaves OUT/widths.csv and OUT/widths.json, the manifests.
+0.5 s < t < 3 s, which is the bias, and its standard deviation, which is mostly noise: the particles' load fluctuates and
+rings the beam. A disordered start (sph.disorder = 0.05, sph.seed) is another realisation of that noise. What the same
+program has answered already is not run again. Leaves OUT/widths.csv and OUT/widths.json, the manifests.
 """
 
 import argparse

@@ -37,7 +37,7 @@ void ViscosityEffect<dim, Law>::add_acceleration(const State<dim>& state,
   if (surface_) {
     surface_->update(state);
     diffusion_before_ = previous_diffusion_;
-    moment_.resize(particles.solids);
+    moment_.assign(particles.solids, Eigen::Matrix<double, dim, dim>::Zero());
   }
   law_.update(state, extended);
 #pragma omp parallel for schedule(static)
@@ -51,12 +51,12 @@ void ViscosityEffect<dim, Law>::add_acceleration(const State<dim>& state,
                (u_i - extended[neighbours.index[k]]);
     else
       sum = corrected_sum(state, i, neighbours);
-    if (surface_) sum += beyond_surface(state, i, neighbours);
+    if (surface_)
+      sum += beyond_surface(state, i, neighbours, i < particles.solids ? &moment_[i] : nullptr);
     Vector<dim> diffusion = scale * sum;
     if constexpr (requires { law_.beside(i); }) diffusion -= nu_ * law_.beside(i);
     acceleration[i] -= now * diffusion - before * previous_diffusion_[i];
     previous_diffusion_[i] = diffusion;
-    if (surface_ && i < particles.solids) moment_[i] = moment_of_traction(state, i, neighbours);
   }
   if (!surface_) return;
   surface_->carry_out(moment_, carried_);
@@ -91,18 +91,18 @@ Vector<dim> ViscosityEffect<dim, Law>::corrected_sum(
   return sum_of<dim>(both);
 }
 
-/// Calls use(solid, fluid, weight x difference of velocities, the same of the pair's own) for each
-/// pair of `i` across a body's surface. The first difference is that to the fluid's velocity
-/// carried on beyond the surface, a straight line through the body's and bent as the fluid's last
-/// Laplacian says (the walls' images do the same).
+/// What the pairs across a body's surface lack when the solid particle's own velocity is taken at
+/// its place: the fluid's velocity is carried on beyond the surface, a straight line through the
+/// body's and bent as the fluid's last Laplacian says (the walls' images do the same). `moment`: of
+/// the fluid's pull at a solid particle, force times the arm from the particle to the surface.
 template <int dim, class Law>
-template <class Use>
-void ViscosityEffect<dim, Law>::for_each_across_surface(
+Vector<dim> ViscosityEffect<dim, Law>::beyond_surface(
     const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near,
-    const Use& use) const {
+    Eigen::Matrix<double, dim, dim>* moment) const {
   const auto& particles = state.particles;
   const auto& points = state.images.points();
   const bool solid = i < particles.solids;
+  Vector<dim> sum = Vector<dim>::Zero();
   for (std::size_t k = 0; k < near.index.size(); ++k) {
     const auto j = static_cast<std::size_t>(near.index[k]);
     if (j >= particles.unknowns || (j < particles.solids) == solid) continue;
@@ -117,33 +117,11 @@ void ViscosityEffect<dim, Law>::for_each_across_surface(
       weight *= 0.5 *
                 (state.laplacian_correction[i].form(r) + state.laplacian_correction[j].form(r)) /
                 r.squaredNorm();
-    use(s, f, Vector<dim>(weight * across), Vector<dim>(weight * own));
+    const Vector<dim> pull = weight * across, counted = weight * own;
+    sum += pull - counted;
+    if (moment) *moment += pull * surface_->arm(f, s).transpose();
   }
-}
-
-/// What the pairs across a body's surface lack when the solid particle's own velocity is taken at
-/// its place.
-template <int dim, class Law>
-Vector<dim> ViscosityEffect<dim, Law>::beyond_surface(
-    const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
-  Vector<dim> sum = Vector<dim>::Zero();
-  for_each_across_surface(state, i, near,
-                          [&](std::size_t, std::size_t, const Vector<dim>& across,
-                              const Vector<dim>& own) { sum += across - own; });
   return sum;
-}
-
-/// Of the fluid's pull at solid particle i: force times the arm from the particle to the surface.
-template <int dim, class Law>
-Eigen::Matrix<double, dim, dim> ViscosityEffect<dim, Law>::moment_of_traction(
-    const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const {
-  Eigen::Matrix<double, dim, dim> moment = Eigen::Matrix<double, dim, dim>::Zero();
-  for_each_across_surface(
-      state, i, near,
-      [&](std::size_t s, std::size_t f, const Vector<dim>& across, const Vector<dim>&) {
-        moment += across * surface_->arm(f, s).transpose();
-      });
-  return moment;
 }
 
 /// What the pairs across bodies' surfaces add to the fastest decay (1/s), at most: the largest sum

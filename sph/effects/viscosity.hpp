@@ -36,21 +36,17 @@ class ViscosityEffect final : public Acceleration<dim>, public TimeStepLimit<dim
  private:
   Vector<dim> corrected_sum(const State<dim>& state, std::size_t i,
                             const typename Support<dim>::Neighbours& near) const;
-  template <class Use>
-  void for_each_across_surface(const State<dim>& state, std::size_t i,
-                               const typename Support<dim>::Neighbours& near, const Use& use) const;
-  Eigen::Matrix<double, dim, dim> moment_of_traction(
-      const State<dim>& state, std::size_t i, const typename Support<dim>::Neighbours& near) const;
   Vector<dim> beyond_surface(const State<dim>& state, std::size_t i,
-                             const typename Support<dim>::Neighbours& near) const;
+                             const typename Support<dim>::Neighbours& near,
+                             Eigen::Matrix<double, dim, dim>* moment) const;
   double rate_beyond_surface(const State<dim>& state) const;
   double nu_;
   Law law_;
   std::shared_ptr<SolidSurface<dim>> surface_;
   std::vector<Vector<dim>> previous_diffusion_;  ///< D of the step before, zero before the first
   std::vector<Vector<dim>> diffusion_before_;    ///< the same while a step overwrites it
-  std::vector<Eigen::Matrix<double, dim, dim>> moment_;  ///< of moment_of_traction, per solid
-  std::vector<Vector<dim>> carried_;                     ///< what it adds, per solid
+  std::vector<Eigen::Matrix<double, dim, dim>> moment_;  ///< of the fluid's pull, per solid
+  std::vector<Vector<dim>> carried_;                     ///< what it adds at the surface
   mutable std::vector<double> rate_;                     ///< of rate_beyond_surface
 };
 

@@ -37,8 +37,7 @@ struct Sheared {
   }
 
   static Particles<2> laid(double a, double b) {
-    auto particles =
-        test::particles_at<2>(test::lattice<2>({columns, rows + fluid_rows}, dx), dx);
+    auto particles = test::particles_at<2>(test::lattice<2>({columns, rows + fluid_rows}, dx), dx);
     particles.solids = columns * rows;
     for (std::size_t i = 0; i < particles.size(); ++i) {
       const bool solid = i < particles.solids;
@@ -101,7 +100,8 @@ TEST(SolidSurface, ForcesThatAreCarriedOutKeepTheirSum) {
                                 particles);
   std::vector<Eigen::Matrix2d> moment(particles.solids, Eigen::Matrix2d::Zero());
   // A corner, a row below the face, and the middle of the body.
-  for (const std::size_t i : {std::size_t{0}, std::size_t{columns * 3 + 7}, std::size_t{columns + 9}})
+  for (const std::size_t i :
+       {std::size_t{0}, std::size_t{columns * 3 + 7}, std::size_t{columns + 9}})
     moment[i] << 0.3, -0.7, 1.1, 0.2;
   std::vector<Vector<2>> force;
   surface.carry_out(moment, force);
